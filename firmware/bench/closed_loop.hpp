@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "firmware/bench/scenario/closed_loop_scenario.hpp"
-#include "firmware/device/cycle.hpp"
+#include "firmware/cycle.hpp"
 #include "firmware/device/device.hpp"
 #include "hal/sim/pair.hpp"
 

@@ -12,15 +12,15 @@
 #include <string_view>
 
 #include "firmware/bench/progress.hpp"
+#include "firmware/cycle.hpp"
 #include "firmware/device/adopt.hpp"
-#include "firmware/device/cycle.hpp"
 #include "firmware/text/device_log.hpp"
 #include "firmware/text/device_trace.hpp"
 #include "firmware/text/signal_names.hpp"
-#include "firmware/text/text_table.hpp"
 #include "hal/replay/board.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::bench {
 namespace {
@@ -151,7 +151,7 @@ class ReplayFile {
       }
     }
     file_ = std::make_unique<text::DeviceTraceFile>(
-        path, hal::mcap::Origin{"host-sim replay --device", source}, std::move(columns), further);
+        path, hal::mcap::Origin{"host-sim replay-device", source}, std::move(columns), further);
   }
 
   void add(const Cycle& cycle, const std::vector<std::string_view>& fields) {
@@ -280,11 +280,11 @@ std::string summary(const DeviceReplayOptions& options, const DeviceReplayResult
            fmt::format("all {} outputs are the same to the last bit\n", result.compared.size());
   }
   text += fmt::format("{} rows differ from the outputs in the trace\n", result.differing_rows);
-  text::TextTable table({{"output"},
-                         {"rows", "{}"},
-                         {"first at s", "{:.6g}"},
-                         {"max difference", "{:.4g}"},
-                         {"first difference: in the trace, now"}});
+  files::TextTable table({{"output"},
+                          {"rows", "{}"},
+                          {"first at s", "{:.6g}"},
+                          {"max difference", "{:.4g}"},
+                          {"first difference: in the trace, now"}});
   for (const OutputDifference& d : result.differences) {
     table.add({d.column, d.rows, d.first_s, d.max,
                fmt::format("'{}', '{}'{}", d.recorded, d.now, d.tolerated ? ", tolerated" : "")});

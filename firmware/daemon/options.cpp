@@ -40,10 +40,9 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
                  "obey the commands of this scenario instead of the bus");
   app.add_option("--bus", options.bus,
                  "bus of a simulated wire: a CAN interface, or udp, udp:GROUP, udp:GROUP:PORT");
-  app.add_option(
-      "--record", options.record,
-      "record a trace for host-sim replay --device, as MCAP if the name ends in .mcap; in "
-      "a folder its name is the time");
+  app.add_option("--record", options.record,
+                 "record a trace for host-sim replay-device, as MCAP if the name ends in .mcap; in "
+                 "a folder its name is the time");
   app.add_option("--status", options.status,
                  "file for the state and the figures of the run, rewritten once a second; default: "
                  "status.json in $RUNTIME_DIRECTORY");

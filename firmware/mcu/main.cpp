@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "firmware/canopen/servo/servo.hpp"
+#include "firmware/cycle.hpp"
 #include "firmware/device/adopt.hpp"
-#include "firmware/device/cycle.hpp"
 #include "firmware/mcu/device.hpp"
 #include "firmware/parameters/store/store.hpp"
 #include "hal/cortex-m/board.hpp"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/device/cycle.hpp"
+#include "firmware/cycle.hpp"
 #include "firmware/settings.hpp"
 
 namespace smaservo::text {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/device/cycle.hpp"
+#include "firmware/cycle.hpp"
 #include "hal/recording/trace_file.hpp"
 
 namespace smaservo::text {

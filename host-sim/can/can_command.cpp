@@ -1,3 +1,5 @@
+#include "host-sim/can/can_command.hpp"
+
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
@@ -6,9 +8,8 @@
 #include <unistd.h>
 
 #include "firmware/safety/faults/table.hpp"
-#include "firmware/text/reference/fault_reference.hpp"
+#include "firmware/text/fault_reference.hpp"
 #include "firmware/text/settings_file.hpp"
-#include "firmware/text/text_table.hpp"
 #include "hal/recording/trace_file.hpp"
 #include "host-sim/can/bus/network.hpp"
 #include "host-sim/can/bus/port_bus.hpp"
@@ -16,10 +17,10 @@
 #include "host-sim/can/status.hpp"
 #include "host-sim/can/step_test.hpp"
 #include "host-sim/can/watch.hpp"
-#include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -87,7 +88,7 @@ void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char*
 void scan(const Common& common, double listen_s) {
   can::PortBus bus(common.can);
   const can::FoundNodes found = can::scan(bus, static_cast<std::int64_t>(listen_s * 1e6));
-  text::TextTable table({{"", "{}"}, {""}, {""}});
+  files::TextTable table({{"", "{}"}, {""}, {""}});
   for (const can::FoundNode& node : found.nodes) {
     const can::SdoClient client(bus, node.node);
     Remote remote(client);

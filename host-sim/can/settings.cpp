@@ -4,8 +4,8 @@
 
 #include "firmware/text/settings_file.hpp"
 #include "firmware/text/settings_text.hpp"
-#include "firmware/text/text_table.hpp"
 #include "model/files/error.hpp"
+#include "model/files/text_table.hpp"
 #include "model/files/toml/toml_fields.hpp"
 
 namespace smaservo::can {
@@ -71,7 +71,7 @@ std::vector<Difference> differences(const Settings<double>& file, const Settings
 }
 
 std::string differences_text(const std::vector<Difference>& differences) {
-  text::TextTable table({{""}, {""}, {""}});
+  files::TextTable table({{""}, {""}, {""}});
   for (const Difference& d : differences) {
     table.add(
         {d.row->path.text(), text::value_text(*d.row, d.here), text::value_text(*d.row, d.there)});

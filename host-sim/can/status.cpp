@@ -5,7 +5,7 @@
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/canopen/change_text.hpp"
 #include "firmware/text/device_names.hpp"
-#include "firmware/text/text_table.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::can {
@@ -30,7 +30,7 @@ std::string device_state(Remote& remote) {
 }  // namespace
 
 std::string info_text(Remote& remote) {
-  text::TextTable table({{""}, {""}});
+  files::TextTable table({{""}, {""}});
   table.add({"node", fmt::format("{} on {}", remote.node(), remote.bus().name())});
   table.add({"device", fmt::format("{}, hardware {}, software {}", remote.text("1008"),
                                    remote.text("1009"), remote.text("100A"))});
@@ -79,7 +79,7 @@ Fault first_cause(Remote& remote) {
 }
 
 std::string faults_text(Remote& remote) {
-  text::TextTable table({{""}, {""}});
+  files::TextTable table({{""}, {""}});
   table.add({"state", device_state(remote)});
   table.add({"latched", or_none(text::names_of(fault_set(remote, "latched")))});
   const Fault first = first_cause(remote);

@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include "firmware/command.hpp"
-#include "firmware/text/text_table.hpp"
 #include "host-sim/report/html.hpp"
 #include "host-sim/report/text_plot.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::can {
@@ -195,14 +195,14 @@ std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
   return sums;
 }
 
-text::TextTable figures_of(const std::vector<StepRun>& runs,
-                           const std::vector<std::string>& names) {
-  text::TextTable table({{""},
-                         {"rise s", "{:.3f}"},
-                         {"overshoot %", "{:.1f}"},
-                         {"settled s", "{:.3f}"},
-                         {"error %", "{:.2f}"},
-                         {"peak degC", "{:.1f}"}});
+files::TextTable figures_of(const std::vector<StepRun>& runs,
+                            const std::vector<std::string>& names) {
+  files::TextTable table({{""},
+                          {"rise s", "{:.3f}"},
+                          {"overshoot %", "{:.1f}"},
+                          {"settled s", "{:.3f}"},
+                          {"error %", "{:.2f}"},
+                          {"peak degC", "{:.1f}"}});
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const auto [f, peak_K] = judge(runs[i]);
     table.add({names[i], f.rise_s, f.overshoot_percent, f.settling_s, f.error_percent,

@@ -6,8 +6,8 @@
 #include <fmt/ranges.h>
 
 #include "firmware/canopen/node/index.hpp"
-#include "firmware/text/text_table.hpp"
 #include "host-sim/report/text_plot.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -40,7 +40,7 @@ std::string words_of(const text::KnownObject& object, const Bytes& bytes) {
 }
 
 std::string table(const std::vector<text::KnownObject>& objects, const Row& row) {
-  text::TextTable table({{""}, {""}});
+  files::TextTable table({{""}, {""}});
   for (std::size_t i = 0; i < objects.size(); ++i) {
     table.add({objects[i].name, row.texts[i] + row.words[i]});
   }

@@ -1,7 +1,8 @@
+#include "host-sim/convert/convert_command.hpp"
+
 #include <fmt/format.h>
 #include <memory>
 
-#include "host-sim/commands.hpp"
 #include "host-sim/convert/convert.hpp"
 #include "model/files/message.hpp"
 

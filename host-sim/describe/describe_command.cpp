@@ -1,12 +1,13 @@
+#include "host-sim/describe/describe_command.hpp"
+
 #include <array>
 #include <fmt/format.h>
 #include <memory>
 
-#include "firmware/text/reference/canopen_reference.hpp"
-#include "firmware/text/reference/fault_reference.hpp"
-#include "firmware/text/reference/parameter_reference.hpp"
+#include "firmware/text/canopen/canopen_reference.hpp"
+#include "firmware/text/canopen/parameter_reference.hpp"
+#include "firmware/text/fault_reference.hpp"
 #include "firmware/text/settings_file.hpp"
-#include "host-sim/commands.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "firmware/safety/faults/table.hpp"
-#include "firmware/text/reference/fault_reference.hpp"
-#include "host-sim/commands.hpp"
+#include "firmware/text/fault_reference.hpp"
+#include "host-sim/describe/describe_command.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 

@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 #include <memory>
 
-#include "host-sim/commands.hpp"
+#include "firmware/text/settings_file.hpp"
+#include "host-sim/describe/describe_command.hpp"
 #include "model/files/message.hpp"
 #include "model/wire/plant.hpp"
 

@@ -1,3 +1,5 @@
+#include "host-sim/evaluate/evaluate_command.hpp"
+
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
@@ -6,7 +8,7 @@
 #include <thread>
 
 #include "firmware/bench/progress.hpp"
-#include "host-sim/commands.hpp"
+#include "firmware/text/settings_file.hpp"
 #include "host-sim/evaluate/closed_loop/closed_loop.hpp"
 #include "host-sim/evaluate/closed_loop/random_scenario.hpp"
 #include "host-sim/evaluate/evaluate.hpp"

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "firmware/text/text_table.hpp"
 #include "host-sim/evaluate/figures.hpp"
 #include "host-sim/report/html.hpp"
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -43,30 +43,30 @@ std::string three(const RowFigures& f) {
 }
 
 /// Appends a column for each family. Marked values miss their target.
-text::TextTable table_of(const ObserverEvaluation& observer,
-                         std::vector<text::TextTable::Column> columns) {
+files::TextTable table_of(const ObserverEvaluation& observer,
+                          std::vector<files::TextTable::Column> columns) {
   for (const FamilyFigures& own : observer.rows.front().by_family) {
     columns.push_back({std::string(hal::family_name(own.family)), "{}"});
   }
-  return text::TextTable(std::move(columns), "");
+  return files::TextTable(std::move(columns), "");
 }
 
-text::TextTable errors(const ObserverEvaluation& observer) {
-  text::TextTable table = table_of(observer, {{"row"},
-                                              {"runs", "{}"},
-                                              {"mean", "{:.2f}"},
-                                              {"95 %", "{:.2f}"},
-                                              {"max", "{:.2f}"},
-                                              {"lost", "{:.0f}"},
-                                              {"in 2 sd", "{:.1f}"},
-                                              {"target", "{}"}});
+files::TextTable errors(const ObserverEvaluation& observer) {
+  files::TextTable table = table_of(observer, {{"row"},
+                                               {"runs", "{}"},
+                                               {"mean", "{:.2f}"},
+                                               {"95 %", "{:.2f}"},
+                                               {"max", "{:.2f}"},
+                                               {"lost", "{:.0f}"},
+                                               {"in 2 sd", "{:.1f}"},
+                                               {"target", "{}"}});
   for (const RowResult& result : observer.rows) {
     const Figures f = row_figures(observer, result);
     std::string targets = target(f[0]);
     for (const std::size_t i : {1U, 2U}) {
       targets += f[i].has_target() ? " / " + target(f[i]) : "";
     }
-    text::TextTable::Row line{row_of(result).name, result.all.runs};
+    files::TextTable::Row line{row_of(result).name, result.all.runs};
     for (std::size_t i = 0; i < 5; ++i) {
       line.emplace_back(f[i].value, f[i].missed());
     }
@@ -94,15 +94,15 @@ std::string meaning(std::string_view figure) {
 }
 
 /// The figures that only some rows have.
-text::TextTable particulars(const ObserverEvaluation& observer) {
-  text::TextTable table = table_of(observer, {{"row"}, {""}, {"value", "{}"}, {"target", "{}"}});
+files::TextTable particulars(const ObserverEvaluation& observer) {
+  files::TextTable table = table_of(observer, {{"row"}, {""}, {"value", "{}"}, {"target", "{}"}});
   for (const RowResult& result : observer.rows) {
     const Figures all = row_figures(observer, result);
     for (std::size_t i = 5; i < all.size(); ++i) {
-      text::TextTable::Row line{row_of(result).name,
-                                meaning(all[i].name),
-                                {number(all[i]), all[i].missed()},
-                                target(all[i])};
+      files::TextTable::Row line{row_of(result).name,
+                                 meaning(all[i].name),
+                                 {number(all[i]), all[i].missed()},
+                                 target(all[i])};
       for (const FamilyFigures& own : result.by_family) {
         line.emplace_back(number(row_figures(row_of(result), own.figures, no_scale)[i]));
       }
@@ -198,7 +198,7 @@ std::string table_text(const Evaluation& evaluation) {
   std::string text = title(evaluation) + "\n* misses its target\n";
   for (const ObserverEvaluation& observer : evaluation.observers) {
     text += fmt::format("\n{}\n{}", observer.observer, errors(observer).text());
-    const text::TextTable particular = particulars(observer);
+    const files::TextTable particular = particulars(observer);
     text += particular.empty() ? "" : "\n" + particular.text();
     text += "\nworst runs\n";
     for (const RowResult& row : observer.rows) {
@@ -219,25 +219,25 @@ std::string table_json(const Evaluation& evaluation) {
       rows.push_back(row_json(observer, row));
     }
   }
-  return text::json_text(json);
+  return files::json_text(json);
 }
 
 std::string table_markdown(const Evaluation& evaluation) {
   std::string text = title(evaluation) + ". Bold: misses its target.\n";
   for (const ObserverEvaluation& observer : evaluation.observers) {
     text += fmt::format("\n`{}`\n\n{}", observer.observer, errors(observer).markdown());
-    const text::TextTable particular = particulars(observer);
+    const files::TextTable particular = particulars(observer);
     text += particular.empty() ? "" : "\n" + particular.markdown();
   }
   return text;
 }
 
 void write_table_report(const std::string& path, const Evaluation& evaluation) {
-  std::string html = fmt::format("<p>{}.</p>\n", text::escaped(title(evaluation)));
+  std::string html = fmt::format("<p>{}.</p>\n", files::escaped(title(evaluation)));
   for (const ObserverEvaluation& observer : evaluation.observers) {
     html +=
-        fmt::format("<h2>{}</h2>\n{}", text::escaped(observer.observer), errors(observer).html());
-    const text::TextTable particular = particulars(observer);
+        fmt::format("<h2>{}</h2>\n{}", files::escaped(observer.observer), errors(observer).html());
+    const files::TextTable particular = particulars(observer);
     html += particular.empty() ? "" : particular.html();
     html += "<p class=\"caption\">Worst runs:</p><ul class=\"caption\">\n";
     for (const RowResult& row : observer.rows) {
@@ -247,7 +247,7 @@ void write_table_report(const std::string& path, const Evaluation& evaluation) {
   }
   html += "<h2>Rows</h2>\n<ul>\n";
   for (const EvaluationRow& row : evaluation_rows()) {
-    html += fmt::format("<li>{}: {}</li>\n", row.name, text::escaped(row.meaning));
+    html += fmt::format("<li>{}: {}</li>\n", row.name, files::escaped(row.meaning));
   }
   report::write_html(path, "Evaluation of observers", html + "</ul>\n");
 }

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "model/files/wire/wire_file.hpp"
-#include "model/three_phase/three_phase.hpp"
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
+#include "model/wire/three_phase/three_phase.hpp"
 
 // A wire of one temperature that transforms by the three-phase model, computed in double precision.
 using Model = smaservo::Plant<smaservo::ThreePhase<double>>;

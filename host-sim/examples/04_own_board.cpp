@@ -3,7 +3,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "firmware/device/cycle.hpp"
+#include "firmware/cycle.hpp"
 #include "firmware/device/device.hpp"
 #include "firmware/text/device_names.hpp"
 #include "firmware/text/settings_file.hpp"

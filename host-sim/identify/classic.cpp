@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "host-sim/identify/runs/steady_load.hpp"
-#include "model/three_phase/ihyp.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 
 namespace smaservo::identify {
 namespace {

@@ -1,3 +1,5 @@
+#include "host-sim/identify/identify_command.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -8,7 +10,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "host-sim/commands.hpp"
+#include "firmware/text/settings_file.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"
 #include "model/files/error.hpp"

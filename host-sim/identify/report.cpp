@@ -6,11 +6,11 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "firmware/text/text_table.hpp"
 #include "host-sim/identify/fit_plots.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/report/html.hpp"
 #include "model/files/message.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::identify {
@@ -80,28 +80,28 @@ std::vector<std::string> parameters_text(const FitResult& fit, bool determined) 
 }
 
 /// The errors of each run, with columns for the classic functions if a run has them.
-text::TextTable runs_table(const Identification& all) {
-  std::vector<text::TextTable::Column> columns{{"run"},
-                                               {"kind"},
-                                               {"rows", "{}"},
-                                               {"strain RMS", "{:.2f}", "", 100},
-                                               {"strain 95 %", "{:.2f}", "", 100},
-                                               {"strain max", "{:.2f}", "", 100},
-                                               {"resistance RMS", "{:.2f}", "", 100},
-                                               {"resistance max", "{:.2f}", "", 100}};
+files::TextTable runs_table(const Identification& all) {
+  std::vector<files::TextTable::Column> columns{{"run"},
+                                                {"kind"},
+                                                {"rows", "{}"},
+                                                {"strain RMS", "{:.2f}", "", 100},
+                                                {"strain 95 %", "{:.2f}", "", 100},
+                                                {"strain max", "{:.2f}", "", 100},
+                                                {"resistance RMS", "{:.2f}", "", 100},
+                                                {"resistance max", "{:.2f}", "", 100}};
   for (const ClassicFit& classic :
        std::ranges::max(all.classics, {}, &std::vector<ClassicFit>::size)) {
     columns.push_back({fmt::format("{} RMS", classic.name), "{:.2f}", "", 100});
   }
-  text::TextTable table(std::move(columns), "");
+  files::TextTable table(std::move(columns), "");
   for (std::size_t i = 0; i < all.fit.runs.size(); ++i) {
     const FittedRun& run = all.fit.runs[i];
     const auto there = [](const FitQuality& quality, double share) {
-      return quality.count > 0 ? share : text::TextTable::Cell{};
+      return quality.count > 0 ? share : files::TextTable::Cell{};
     };
     const FitQuality& strain = run.strain;
     const FitQuality& ohm = run.resistance;
-    text::TextTable::Row row{
+    files::TextTable::Row row{
         file_name(run.name),       name_of(run.kind),         rows_of(run),
         there(strain, strain.rms), there(strain, strain.p95), there(strain, strain.maximum),
         there(ohm, ohm.rms),       there(ohm, ohm.maximum)};
@@ -147,7 +147,7 @@ std::string unit_of_errors(const Identification& all) {
 }
 
 std::string parameters_html(const FitResult& fit) {
-  text::TextTable table({{"parameter"}, {"before"}, {"fitted"}, {"unit"}, {""}});
+  files::TextTable table({{"parameter"}, {"before"}, {"fitted"}, {"unit"}, {""}});
   for (const FittedParameter& fitted : fit.parameters) {
     const Figure f = figure(fitted);
     table.add({fitted.parameter.key, with_deviation(f.prior, f.prior_sd),
@@ -279,16 +279,16 @@ std::string fit_json(const Identification& all) {
   for (const Correlation& c : fit.correlations) {
     json["correlations"].push_back({{"first", c.first}, {"second", c.second}, {"value", c.value}});
   }
-  return text::json_text(json);
+  return files::json_text(json);
 }
 
 void write_fit_report(const std::string& path, const Identification& all) {
   std::string html =
-      fmt::format("<p>{}</p>\n<p>{}</p>\n", text::escaped(heading(all)), unit_of_errors(all)) +
+      fmt::format("<p>{}</p>\n<p>{}</p>\n", files::escaped(heading(all)), unit_of_errors(all)) +
       runs_table(all).html();
   for (const std::string& text : {joint_text(all.fit), heat_flows(all.fit),
                                   "structure: " + structure(all.fit.variant), circuit(all.fit)}) {
-    html += text.empty() ? "" : fmt::format("<p>{}</p>\n", text::escaped(text));
+    html += text.empty() ? "" : fmt::format("<p>{}</p>\n", files::escaped(text));
   }
   html += report::plots_html(fit_panels(all.fit, all.runs));
   html += parameters_html(all.fit);

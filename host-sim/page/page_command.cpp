@@ -1,6 +1,7 @@
+#include "host-sim/page/page_command.hpp"
+
 #include <memory>
 
-#include "host-sim/commands.hpp"
 #include "host-sim/page/bridge.hpp"
 #include "host-sim/page/servos/servo_source.hpp"
 #include "host-sim/report/assets.hpp"

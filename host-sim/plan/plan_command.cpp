@@ -1,3 +1,5 @@
+#include "host-sim/plan/plan_command.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -7,13 +9,13 @@
 #include <thread>
 
 #include "firmware/bench/progress.hpp"
-#include "firmware/text/text_table.hpp"
-#include "host-sim/commands.hpp"
+#include "firmware/text/settings_file.hpp"
 #include "host-sim/plan/plan.hpp"
 #include "host-sim/report/html.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::plan {
@@ -102,14 +104,14 @@ std::string instructions(const Planned& p) {
       fmt::join(loads, ", "), files::printable(p.arguments.wire), settings, fmt::join(files, " "));
 }
 
-text::TextTable runs(const Planned& p) {
-  text::TextTable table({{"run", "", "name"},
-                         {.key = "stress_MPa"},
-                         {"load in N", "{:.4g}", "load_N"},
-                         {"peak in mA", "{:.4g}", "peak_A", 1e3},
-                         {"of limit", "{:.2f}"},
-                         {"hottest °C", "{:.1f}", "hottest_degC"},
-                         {"stroke in %", "{:.2f}", "stroke", 100}});
+files::TextTable runs(const Planned& p) {
+  files::TextTable table({{"run", "", "name"},
+                          {.key = "stress_MPa"},
+                          {"load in N", "{:.4g}", "load_N"},
+                          {"peak in mA", "{:.4g}", "peak_A", 1e3},
+                          {"of limit", "{:.2f}"},
+                          {"hottest °C", "{:.1f}", "hottest_degC"},
+                          {"stroke in %", "{:.2f}", "stroke", 100}});
   for (const PlannedRun& run : p.plan.runs) {
     const double peak_A = std::ranges::max(run.current_A);
     table.add({name_of(run), 1e-6 * run.stress_Pa, load_N(p, run), peak_A,
@@ -119,16 +121,16 @@ text::TextTable runs(const Planned& p) {
   return table;
 }
 
-text::TextTable deviations(const Planned& p) {
-  text::TextTable table({{"expected deviation", "", "key"},
-                         {.key = "prior_sd"},
-                         {.key = "triangle"},
-                         {.key = "plan"},
-                         {.key = "determined"},
-                         {"prior", "{}"},
-                         {"triangle", "{}"},
-                         {"plan", "{}"},
-                         {""}});
+files::TextTable deviations(const Planned& p) {
+  files::TextTable table({{"expected deviation", "", "key"},
+                          {.key = "prior_sd"},
+                          {.key = "triangle"},
+                          {.key = "plan"},
+                          {.key = "determined"},
+                          {"prior", "{}"},
+                          {"triangle", "{}"},
+                          {"plan", "{}"},
+                          {""}});
   for (const ExpectedParameter& e : p.plan.parameters) {
     const bool determined = e.plan < 0.5;
     table.add({e.parameter.key, e.parameter.sd, e.triangle, e.plan, determined,
@@ -159,7 +161,7 @@ std::string json(const Planned& p) {
   all["determined"] = {{"triangle", determined(p.plan, &ExpectedParameter::triangle)},
                        {"plan", determined(p.plan, &ExpectedParameter::plan)}};
   all["ratio"] = ratio(p.plan);
-  return text::json_text(all);
+  return files::json_text(all);
 }
 
 std::vector<report::Panel> plots(const Plan& plan) {

@@ -1,10 +1,10 @@
+#include "host-sim/replay/replay_command.hpp"
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <memory>
 
-#include "firmware/bench/device_replay.hpp"
 #include "firmware/text/settings_file.hpp"
-#include "host-sim/commands.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/replay/replay.hpp"
 #include "host-sim/replay/report.hpp"
@@ -20,30 +20,10 @@ struct ReplayArguments {
   std::string wire{files::default_wire};
   std::vector<std::string> settings;
   std::string report;
-  std::string device;
-  bool allow_differences = false;
-  std::optional<double> tolerance;
   bool json = false;
   std::optional<double> stress_MPa, ambient_degC;
   std::optional<double> period_s;
 };
-
-void run_device(const ReplayArguments& a) {
-  require("--tolerance", a.tolerance, 0, 1);
-  bench::DeviceReplayOptions options{a.options.trace, a.options.trace_options,
-                                     text::load_settings_file(a.device), a.options.out,
-                                     a.tolerance.value_or(0)};
-  options.trace_options.period_s = a.period_s.value_or(0);
-  refuse_to_overwrite(options.trace, options.out);
-  refuse_to_overwrite(a.device, options.out);
-  const bench::DeviceReplayResult result = bench::replay_device(options);
-  files::print(summary(options, result), options.out == "-" ? stderr : stdout);
-  if (!bench::agrees(result) && !a.allow_differences) {
-    throw files::UserError(fmt::format("{}: the outputs differ from those in the trace{}",
-                                       options.trace,
-                                       a.tolerance ? " by more than the tolerance" : ""));
-  }
-}
 
 /// Throws NoResult where no estimate can be of use.
 void check_result(const ReplayOptions& options, const ReplayResult& result) {
@@ -61,10 +41,6 @@ void check_result(const ReplayOptions& options, const ReplayResult& result) {
 }
 
 void run(ReplayArguments& a) {
-  if (!a.device.empty()) {
-    run_device(a);
-    return;
-  }
   require("--load-N", a.options.load_N, 0, 1e5);
   require("--stress-MPa", a.stress_MPa, 0, 1e4);
   require("--ambient-degC", a.ambient_degC, -100, 200);
@@ -143,28 +119,16 @@ void add_replay_command(CLI::App& app) {
       ->add_option("--column", a->options.trace_options.renames,
                    "NAME=COLUMN or NAME=COLUMN*FACTOR: reads NAME from this column; repeatable")
       ->allow_extra_args(false);
+  // Formerly the command replay-device; whoever still types it is told the new name.
   command
-      ->add_option("--device", a->device,
-                   "run the whole device with these settings, with the trace's commands, and "
-                   "compare its outputs with the trace's")
-      ->excludes("--wire")
-      ->excludes("--observer")
-      ->excludes("--set")
-      ->excludes("--report")
-      ->excludes("--json")
-      ->excludes("--load-N")
-      ->excludes("--stress-MPa")
-      ->excludes("--ambient-degC");
-  command
-      ->add_flag("--allow-differences", a->allow_differences,
-                 "exit with 0 even if the outputs differ from the trace's")
-      ->needs("--device");
-  command
-      ->add_option("--tolerance", a->tolerance,
-                   "allowed difference of numbers, as a share of their range in the trace, for "
-                   "traces of another machine or compiler")
-      ->needs("--device")
-      ->excludes("--allow-differences");
+      ->add_option_function<std::string>(
+          "--device",
+          [](const std::string&) {
+            throw CLI::ValidationError(
+                "--device", "is a command of its own now: host-sim replay-device SETTINGS TRACE");
+          })
+      ->expected(0, 1)
+      ->group("");
   command->callback([a] { run(*a); });
 }
 

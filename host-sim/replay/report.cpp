@@ -4,23 +4,23 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "firmware/text/text_table.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/replay/plots.hpp"
 #include "host-sim/report/html.hpp"
 #include "model/files/message.hpp"
+#include "model/files/text_table.hpp"
 #include "observer/kalman.hpp"
 
 namespace smaservo::replay {
 namespace {
 
-text::TextTable errors(const ReplayResult& result) {
-  text::TextTable table({{"observer"},
-                         {"mean", "{:.2f}", "mean_percent"},
-                         {"95 %", "{:.2f}", "p95_percent"},
-                         {"maximum", "{:.2f}", "max_percent"},
-                         {""},
-                         {.key = "lost"}});
+files::TextTable errors(const ReplayResult& result) {
+  files::TextTable table({{"observer"},
+                          {"mean", "{:.2f}", "mean_percent"},
+                          {"95 %", "{:.2f}", "p95_percent"},
+                          {"maximum", "{:.2f}", "max_percent"},
+                          {""},
+                          {.key = "lost"}});
   for (const ObserverResult& observer : result.observers) {
     const ErrorStatistics& e = observer.error;
     table.add({observer.name,
@@ -98,7 +98,7 @@ std::string trace_name(const ReplayOptions& options) {
 
 void write_report(const std::string& path, const ReplayOptions& options,
                   const ReplayResult& result) {
-  std::string html = fmt::format("<p>{}</p>\n", text::escaped(reading(options, result)));
+  std::string html = fmt::format("<p>{}</p>\n", files::escaped(reading(options, result)));
   html += errors_html(options, result);
   html += report::plots_html(panels_of(result));
   if (!result.complaints.empty()) {
@@ -148,7 +148,7 @@ std::string summary_json(const ReplayOptions& options, const ReplayResult& resul
       json["error"][result.observers[i].name] = rows[i];
     }
   }
-  return text::json_text(json);
+  return files::json_text(json);
 }
 
 }  // namespace smaservo::replay

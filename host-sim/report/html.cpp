@@ -91,11 +91,11 @@ std::string plots_html(const std::vector<Panel>& panels, const std::vector<std::
   }
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const Panel& panel = panels[i];
-    const std::string title = text::escaped(panel.title);
+    const std::string title = files::escaped(panel.title);
     html += fmt::format("<section{}><h{}>{}</h{}>\n", panel.half_width ? " class=\"half\"" : "",
                         heading, title, heading);
     if (!panel.caption.empty()) {
-      html += fmt::format("<p class=\"caption\">{}</p>\n", text::escaped(panel.caption));
+      html += fmt::format("<p class=\"caption\">{}</p>\n", files::escaped(panel.caption));
     }
     html += fmt::format(
         "<img style=\"--shape:{}/{}\" alt=\"{}\" src=\"data:image/svg+xml;base64,{}\"></section>\n",
@@ -109,11 +109,11 @@ std::string plots_html(const std::vector<Panel>& panels) {
 }
 
 std::string listing_html(std::string_view heading, std::string_view text) {
-  return fmt::format("<h2>{}</h2>\n<pre>{}</pre>\n", text::escaped(heading), text::escaped(text));
+  return fmt::format("<h2>{}</h2>\n<pre>{}</pre>\n", files::escaped(heading), files::escaped(text));
 }
 
 void write_html(const std::string& path, std::string_view title, std::string_view body) {
-  const std::string name = text::escaped(title);
+  const std::string name = files::escaped(title);
   files::OutputFile file(path);
   file.write(
       fmt::format("<!doctype html>\n<html lang=\"en\"><head><title>{}</title>\n{}{}</head><body>\n"

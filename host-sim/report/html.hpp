@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/text/text_table.hpp"
 #include "host-sim/report/panel.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::report {
 

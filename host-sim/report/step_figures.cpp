@@ -58,14 +58,14 @@ StepFigures StepJudge::judged() const {
   return f;
 }
 
-text::TextTable steps_table(const std::vector<StepFigures>& steps) {
-  text::TextTable table({{"step at s", "{:.3f}"},
-                         {"from %", "{:.3f}", "", 100},
-                         {"to %", "{:.3f}", "", 100},
-                         {"rise s", "{:.3f}"},
-                         {"settling s", "{:.3f}"},
-                         {"overshoot %", "{:.2f}"},
-                         {"error %", "{:.2f}"}});
+files::TextTable steps_table(const std::vector<StepFigures>& steps) {
+  files::TextTable table({{"step at s", "{:.3f}"},
+                          {"from %", "{:.3f}", "", 100},
+                          {"to %", "{:.3f}", "", 100},
+                          {"rise s", "{:.3f}"},
+                          {"settling s", "{:.3f}"},
+                          {"overshoot %", "{:.2f}"},
+                          {"error %", "{:.2f}"}});
   for (const StepFigures& s : steps) {
     table.add(
         {s.from_s, s.from, s.to, s.rise_s, s.settling_s, s.overshoot_percent, s.error_percent});

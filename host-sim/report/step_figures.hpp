@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "firmware/text/text_table.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::report {
 
@@ -41,6 +41,6 @@ class StepJudge {
   std::vector<StepFigures> steps_;
 };
 
-text::TextTable steps_table(const std::vector<StepFigures>& steps);
+files::TextTable steps_table(const std::vector<StepFigures>& steps);
 
 }  // namespace smaservo::report

@@ -204,7 +204,7 @@ class LoopPlots {
 };
 
 std::string numbers_html(const bench::ClosedLoopScenario& scenario, const LoopRunResult& result) {
-  text::TextTable table({{""}, {""}});
+  files::TextTable table({{""}, {""}});
   table.add(
       {"hottest point, true",
        fmt::format("{:.1f} °C at {:.3f} s; limit {:.1f} °C", result.max_hottest_K - zero_degC_K,
@@ -233,9 +233,9 @@ std::string steps_html(const LoopRunResult& result) {
 void write_report(const std::string& path, const bench::ClosedLoopScenario& scenario,
                   const LoopRunResult& result) {
   std::string html = fmt::format("<p>{}</p>\n<p>{} steps, {:.4g} s, plant {}, wire {}</p>\n",
-                                 text::escaped(scenario.note), result.steps, result.duration_s,
+                                 files::escaped(scenario.note), result.steps, result.duration_s,
                                  bench::plant_name(scenario.plant.family),
-                                 text::escaped(scenario.plant.wire.name));
+                                 files::escaped(scenario.plant.wire.name));
   html += numbers_html(scenario, result);
   if (result.record) {
     html += report::plots_html(LoopPlots(scenario, *result.record).all());

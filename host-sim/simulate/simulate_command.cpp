@@ -1,9 +1,10 @@
+#include "host-sim/simulate/simulate_command.hpp"
+
 #include <fmt/format.h>
 #include <memory>
 
 #include "firmware/bench/scenario/scenario.hpp"
 #include "hal/recording/trace_file.hpp"
-#include "host-sim/commands.hpp"
 #include "host-sim/simulate/closed_loop_report.hpp"
 #include "host-sim/simulate/simulate.hpp"
 #include "model/files/error.hpp"

@@ -1,3 +1,5 @@
+#include "host-sim/tune/tune_command.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -6,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "host-sim/commands.hpp"
+#include "firmware/text/settings_file.hpp"
 #include "host-sim/tune/tune.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"

@@ -7,9 +7,9 @@
 #include <cstddef>
 
 #include "model/kinetics.hpp"
-#include "model/three_phase/three_phase_row.hpp"
 #include "model/wire/convection.hpp"
 #include "model/wire/material.hpp"
+#include "model/wire/three_phase/three_phase_row.hpp"
 #include "model/wire/wire.hpp"
 
 namespace smaservo {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/three_phase/three_phase.hpp"
 #include "model/wire/heat.hpp"
 #include "model/wire/material.hpp"
+#include "model/wire/three_phase/three_phase.hpp"
 
 namespace smaservo {
 

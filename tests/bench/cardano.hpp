@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/three_phase/ihyp.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 
 namespace smaservo::benchmarks {
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "model/three_phase/ihyp.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 
 namespace smaservo::benchmarks {
 

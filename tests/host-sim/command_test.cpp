@@ -134,6 +134,9 @@ TEST(Command, WrongArgumentsEndWith2AndAMessage) {
                          {"replay", "--load-N", "heavy", "t.csv"},
                          {"replay", "--load-N", "1", "--stress-MPa", "2", "t.csv"},
                          {"replay", "--out"},
+                         {"replay-device", "s.toml"},
+                         {"replay-device", "s.toml", "t.csv", "--wire", "b"},
+                         {"replay-device", "--tolerance", "1", "--allow-differences", "s", "t"},
                          {"simulate"}};
   for (const Texts& arguments : wrong) {
     Program program;
@@ -142,6 +145,38 @@ TEST(Command, WrongArgumentsEndWith2AndAMessage) {
     EXPECT_THAT(f.err, Not(IsEmpty()));
     EXPECT_EQ(f.out, "");
   }
+}
+
+TEST(Command, TheFormerOptionOfReplayNamesTheCommandThatItIsNow) {
+  Program program;
+  for (const Texts& former : {Texts{"replay", "--device", "s.toml", "t.csv"},
+                              Texts{"replay", "t.csv", "--device=s.toml", "--tolerance", "1e-5"},
+                              Texts{"replay", "--device"}}) {
+    const Finished f = program.run(former);
+    EXPECT_EQ(f.status, 2) << ::testing::PrintToString(former);
+    EXPECT_THAT(f.err, HasSubstr("host-sim replay-device SETTINGS TRACE"));
+  }
+  EXPECT_THAT(program.run({"replay", "--help"}).out, Not(HasSubstr("--device")));
+}
+
+TEST(Command, ADeviceThatIsNotTheRecordedOneDiffers) {
+  const std::string scenarios = test::source_folder() + "/host-sim/scenarios/";
+  const std::string its = "its.toml";
+  const std::string other = scenarios + "devices/sublayers-1000.toml";
+  Program program;
+  program.folder().write(its, file_text(scenarios + "devices/smartflex-76um.toml"));
+  ASSERT_EQ(program.run({"simulate", scenarios + "modes.toml", "--out", "log.csv"}).status, 0);
+  const Finished same = program.run({"replay-device", its, "log.csv", "--out", "again.csv"});
+  EXPECT_EQ(same.status, 0) << same.err;
+  EXPECT_THAT(same.out, HasSubstr("outputs are the same to the last bit"));
+  EXPECT_EQ(program.folder().names().size(), 3U);
+  const Finished differs = program.run({"replay-device", other, "log.csv"});
+  EXPECT_EQ(differs.status, 1);
+  EXPECT_THAT(differs.out, HasSubstr("rows differ from the outputs in the trace"));
+  EXPECT_EQ(differs.err, "host-sim: log.csv: the outputs differ from those in the trace\n");
+  EXPECT_EQ(program.run({"replay-device", other, "log.csv", "--allow-differences"}).status, 0);
+  EXPECT_EQ(program.run({"replay-device", its, "log.csv", "--out", "log.csv"}).status, 1);
+  EXPECT_EQ(program.run({"replay-device", its, "log.csv", "--out", its}).status, 1);
 }
 
 TEST(Command, MistakesEndWith1AndNameWhatIsWrong) {

@@ -66,6 +66,10 @@ const std::vector<Input>& inputs() {
   return all;
 }
 
+std::string device_settings() {
+  return source_folder() + "/host-sim/scenarios/devices/sublayers-1000.toml";
+}
+
 struct Command {
   Program::Texts words;
   /// By input, in the order of inputs(): 0 done, 1 a mistake in the file, 3 done and of no use.
@@ -77,6 +81,8 @@ const std::vector<Command>& commands() {
       //                                                     no  fo  em  he  no  na  wo  co  mA  ohm
       {{"replay", "in.csv"}, {1, 1, 1, 1, 1, 1, 1, 1, 3, 3}},
       {{"replay", "--lenient", "in.csv"}, {1, 1, 1, 1, 1, 1, 1, 1, 3, 3}},
+      {{"replay-device", device_settings(), "in.csv"}, {1, 1, 1, 1, 1, 1, 1, 1, 1, 1}},
+      {{"replay-device", "in.toml", "b.csv"}, {1, 1, 1, 1, 1, 1, 1, 1, 1, 1}},
       {{"identify", "--out", "w.toml", "in.csv"}, {1, 1, 1, 1, 1, 1, 1, 1, 1, 1}},
       {{"compare", "--train", "in.csv", "--test", "b.csv"}, {1, 1, 1, 1, 1, 1, 1, 1, 1, 1}},
       {{"convert", "in.csv", "--out", "o.mcap"}, {1, 1, 1, 1, 1, 0, 0, 0, 0, 0}},

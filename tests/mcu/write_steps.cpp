@@ -14,7 +14,7 @@
 
 #include "firmware/bench/closed_loop.hpp"
 #include "firmware/bench/scenario/scenario.hpp"
-#include "firmware/device/cycle.hpp"
+#include "firmware/cycle.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "hal/replay/board.hpp"
 #include "model/files/error.hpp"

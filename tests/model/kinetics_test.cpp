@@ -3,7 +3,7 @@
 #include "model/papers/cosine.hpp"
 #include "model/papers/duhem.hpp"
 #include "model/papers/liang_rogers.hpp"
-#include "model/three_phase/three_phase.hpp"
+#include "model/wire/three_phase/three_phase.hpp"
 #include "tests/model/kinetics_suite.hpp"
 #include "tests/model/wire/test_wires.hpp"
 

@@ -156,7 +156,7 @@ check_running() {
     # Simulated by this machine's own, replayed to 1e-5 of each column's range.
     "$root/build/release/host-sim/host-sim" simulate --scenario "$share/scenarios/steps.toml" \
       --out "$scratch/here.csv" &&
-    "$@" "$folder/usr/bin/host-sim" replay --device "$share/scenarios/devices/sublayers-1000.toml" \
+    "$@" "$folder/usr/bin/host-sim" replay-device "$share/scenarios/devices/sublayers-1000.toml" \
       --tolerance 1e-5 "$scratch/here.csv" &&
     # A minute of the daemon itself.
     "$@" "$folder/usr/sbin/smaservod" --board sim --at-once --for 60 --no-real-time --json \

@@ -12,7 +12,7 @@
 #include "firmware/daemon/bus/bus_setup.hpp"
 #include "firmware/daemon/bus/request_desk.hpp"
 #include "firmware/daemon/bus/settings_link.hpp"
-#include "firmware/text/reference/canopen_reference.hpp"
+#include "firmware/text/canopen/canopen_reference.hpp"
 #include "model/files/message.hpp"
 
 namespace smaservo::daemon {

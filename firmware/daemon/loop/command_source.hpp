@@ -1,7 +1,7 @@
 #pragma once
 // Who tells the device what to do: a bus, a program of commands, a recording.
 
-#include "firmware/device/cycle.hpp"
+#include "firmware/cycle.hpp"
 
 namespace smaservo::daemon {
 

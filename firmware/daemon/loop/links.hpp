@@ -5,10 +5,10 @@
 #include <atomic>
 #include <cstdint>
 
+#include "firmware/cycle.hpp"
 #include "firmware/daemon/loop/histogram.hpp"
 #include "firmware/daemon/loop/prepared_device.hpp"
 #include "firmware/daemon/loop/ring.hpp"
-#include "firmware/device/cycle.hpp"
 
 namespace smaservo::daemon {
 

@@ -5,10 +5,10 @@
 #include <sched.h>
 #include <utility>
 
+#include "firmware/cycle.hpp"
 #include "firmware/daemon/loop/command_source.hpp"
 #include "firmware/daemon/loop/links.hpp"
 #include "firmware/daemon/loop/pace.hpp"
-#include "firmware/device/cycle.hpp"
 #include "hal/linux/system/clock.hpp"
 
 namespace smaservo::daemon {

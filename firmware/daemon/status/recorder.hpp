@@ -1,5 +1,5 @@
 #pragma once
-// Writes the trace of a run in parallel to the loop, for `host-sim replay --device`.
+// Writes the trace of a run in parallel to the loop, for `host-sim replay-device`.
 
 #include <cstdint>
 #include <memory>

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware/text/device_names.hpp"
-#include "firmware/text/text_table.hpp"
 #include "model/files/message.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -100,7 +100,7 @@ std::string status_json(const Status& status) {
   if (!status.last_run.empty()) {
     json["last_run"] = status.last_run;
   }
-  return text::json_text(json, -1);
+  return files::json_text(json, -1);
 }
 
 std::string status_text(const Status& status) {

@@ -12,7 +12,7 @@
 #include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/servo/drive_objects.hpp"
 #include "firmware/signals.hpp"
-#include "firmware/text/reference/object_list.hpp"
+#include "firmware/text/canopen/object_list.hpp"
 #include "firmware/text/settings_text.hpp"
 #include "firmware/text/signal_names.hpp"
 #include "model/files/error.hpp"

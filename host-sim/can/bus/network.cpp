@@ -7,7 +7,7 @@
 #include "firmware/canopen/node/object.hpp"
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/canopen/abort_text.hpp"
-#include "firmware/text/reference/fault_reference.hpp"
+#include "firmware/text/fault_reference.hpp"
 #include "host-sim/can/remote.hpp"
 
 namespace smaservo::can {

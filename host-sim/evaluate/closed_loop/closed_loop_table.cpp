@@ -7,8 +7,8 @@
 
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/device_names.hpp"
-#include "firmware/text/text_table.hpp"
 #include "host-sim/evaluate/closed_loop/closed_loop.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -49,23 +49,23 @@ std::string trips(const LoopFigures& f) {
 }
 
 /// Marked values miss their target; only the firmware has targets.
-text::TextTable steps(const ClosedLoopEvaluation& e) {
-  text::TextTable table({{"load", "", "load"},
-                         {"loop", "", "loop"},
-                         {.key = "steps"},
-                         {"error", "{:.2f}", "error_mean_percent"},
-                         {"95 %", "{:.2f}", "error_p95_percent"},
-                         {"heated in 0.10 s", "{:.0f} %", "heated_in_time_percent"},
-                         {"median s", "{:.3f}", "heating_median_s"},
-                         {.key = "heating_p95_s"},
-                         {"cooled in 1.3 x ideal", "{:.0f} %", "cooled_in_time_percent"},
-                         {"median s", "{:.3f}", "cooling_median_s"},
-                         {.key = "cooling_p95_s"},
-                         {"limit cycles", "{}", "limit_cycles"},
-                         {"trips", "{}"},
-                         {.key = "trips"},
-                         {"hottest above limit, K", "{:.0f}", "above_limit_K"}},
-                        "never");
+files::TextTable steps(const ClosedLoopEvaluation& e) {
+  files::TextTable table({{"load", "", "load"},
+                          {"loop", "", "loop"},
+                          {.key = "steps"},
+                          {"error", "{:.2f}", "error_mean_percent"},
+                          {"95 %", "{:.2f}", "error_p95_percent"},
+                          {"heated in 0.10 s", "{:.0f} %", "heated_in_time_percent"},
+                          {"median s", "{:.3f}", "heating_median_s"},
+                          {.key = "heating_p95_s"},
+                          {"cooled in 1.3 x ideal", "{:.0f} %", "cooled_in_time_percent"},
+                          {"median s", "{:.3f}", "cooling_median_s"},
+                          {.key = "cooling_p95_s"},
+                          {"limit cycles", "{}", "limit_cycles"},
+                          {"trips", "{}"},
+                          {.key = "trips"},
+                          {"hottest above limit, K", "{:.0f}", "above_limit_K"}},
+                         "never");
   for (const LoopRowResult& result : e.rows) {
     const RowText row = text_of(result.row);
     for (std::size_t i = 0; i < loop_kinds.size(); ++i) {
@@ -93,11 +93,11 @@ text::TextTable steps(const ClosedLoopEvaluation& e) {
   return table;
 }
 
-text::TextTable bandwidths(const ClosedLoopEvaluation& e) {
-  text::TextTable table({{"-3 dB at ±10 % of the stroke, 200 MPa"},
-                         {"lowest unit", "{:.2f} Hz"},
-                         {"highest", "{:.2f} Hz"},
-                         {"target", "{}"}});
+files::TextTable bandwidths(const ClosedLoopEvaluation& e) {
+  files::TextTable table({{"-3 dB at ±10 % of the stroke, 200 MPa"},
+                          {"lowest unit", "{:.2f} Hz"},
+                          {"highest", "{:.2f} Hz"},
+                          {"target", "{}"}});
   for (std::size_t i = 0; i < loop_kinds.size(); ++i) {
     const auto [min, max] = std::ranges::minmax(e.bandwidth_Hz.at(i));
     const bool ours = loop_kinds.at(i) == LoopKind::device;
@@ -144,7 +144,7 @@ std::string closed_loop_json(const ClosedLoopEvaluation& e) {
                               {"unanswered", run.unanswered},
                               {"first_cause", fault_name(run.first_cause)}});
   }
-  return text::json_text(json);
+  return files::json_text(json);
 }
 
 }  // namespace smaservo::evaluate

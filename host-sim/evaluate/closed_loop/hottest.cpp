@@ -8,8 +8,8 @@
 
 #include "firmware/bench/closed_loop.hpp"
 #include "firmware/text/device_names.hpp"
-#include "firmware/text/text_table.hpp"
 #include "host-sim/parallel.hpp"
+#include "model/files/text_table.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -38,12 +38,12 @@ struct Tally {
   }
 };
 
-void add_line(text::TextTable& table, const std::string& what, const Tally& t) {
+void add_line(files::TextTable& table, const std::string& what, const Tally& t) {
   table.add({what, t.runs, {t.violations, t.violations > 0}, t.worst_K, t.worst_seed, t.tripped});
 }
 
 /// Adds a line for each class.
-void add_lines(text::TextTable& table, const std::vector<HottestRun>& runs, std::string_view kind,
+void add_lines(files::TextTable& table, const std::vector<HottestRun>& runs, std::string_view kind,
                std::string_view (*name)(const HottestRun&)) {
   std::map<std::string_view, Tally> classes;
   for (const HottestRun& run : runs) {
@@ -54,13 +54,13 @@ void add_lines(text::TextTable& table, const std::vector<HottestRun>& runs, std:
   }
 }
 
-text::TextTable classes(const std::vector<HottestRun>& runs, const Tally& all) {
-  text::TextTable table({{""},
-                         {"scenarios", "{}"},
-                         {fmt::format("above {:g} K", hottest_allowed_K), "{}"},
-                         {"highest, K", "{:.1f}"},
-                         {"its seed", "{}"},
-                         {"trip", "{}"}});
+files::TextTable classes(const std::vector<HottestRun>& runs, const Tally& all) {
+  files::TextTable table({{""},
+                          {"scenarios", "{}"},
+                          {fmt::format("above {:g} K", hottest_allowed_K), "{}"},
+                          {"highest, K", "{:.1f}"},
+                          {"its seed", "{}"},
+                          {"trip", "{}"}});
   add_line(table, "all", all);
   add_lines(table, runs, "mode", [](const HottestRun& r) { return text::mode_name(r.mode); });
   add_lines(table, runs, "set-points", [](const HottestRun& r) {

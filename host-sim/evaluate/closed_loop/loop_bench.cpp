@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "firmware/device/cycle.hpp"
+#include "firmware/cycle.hpp"
 #include "firmware/parameters/parameters.hpp"
 #include "host-sim/evaluate/runs/electronics.hpp"
 

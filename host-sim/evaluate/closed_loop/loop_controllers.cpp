@@ -6,9 +6,9 @@
 
 #include "host-sim/evaluate/runs/calibrate.hpp"
 #include "host-sim/evaluate/runs/runs.hpp"
-#include "host-sim/papers/figures/002/position_loop_002.hpp"
 #include "host-sim/papers/fits/strain_resistance_fit.hpp"
 #include "observer/line.hpp"
+#include "observer/papers/position_pid.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -62,9 +62,8 @@ class PositionLoop final : public LoopController {
 
   explicit PositionLoop(const KnownUnit& known)
       : params_(known.estimator_002),
-        controller_(figures::bench_002::PidGains{40, 20, 0.4,
-                                                 loop_settings(known.wire).limits.min_current_A,
-                                                 loop_settings(known.wire).limits.current_A}),
+        controller_(papers::PidGains{40, 20, 0.4, loop_settings(known.wire).limits.min_current_A,
+                                     loop_settings(known.wire).limits.current_A}),
         area_m2_(known.wire.geometry.area_m2()),
         min_A_(loop_settings(known.wire).limits.min_current_A) {}
   double current_A(const Inputs<double>& in, double goal, double /*true_strain*/) override {
@@ -91,7 +90,7 @@ class PositionLoop final : public LoopController {
   Observer::Params params_;
   Observer::State state_{};
   bool started_ = false;
-  figures::bench_002::PidController controller_;
+  papers::PidController controller_;
   double area_m2_, min_A_;
 };
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host-sim/page/protocol/client_text.hpp"
+#include "host-sim/page/protocol/server_frames.hpp"
 
 namespace smaservo::page {
 namespace {
@@ -27,16 +28,6 @@ using said::text_of;
 using said::values_in;
 
 enum ClientOpcode : std::uint8_t { client_message = 1, service_request = 2 };
-enum ServerOpcode : std::uint8_t { message_data = 1, service_response = 3 };
-
-constexpr std::string_view encoding = "json";
-
-template <class Number>
-void append(std::string& bytes, Number number) {
-  for (unsigned shift = 0; shift < 8 * sizeof(Number); shift += 8) {
-    bytes.push_back(static_cast<char>(number >> shift & 0xFFU));
-  }
-}
 
 std::uint32_t take_u32(std::string_view& bytes) {
   std::uint32_t number = 0;
@@ -45,34 +36,6 @@ std::uint32_t take_u32(std::string_view& bytes) {
   }
   bytes.remove_prefix(4);
   return number;
-}
-
-Frame text_frame(const json& document) {
-  return {.head = text_of(document), .body = {}};
-}
-
-json channel_json(const Channel& channel) {
-  const bool is_json = channel.encoding == Encoding::json;
-  return {{"id", channel.id},
-          {"topic", channel.topic},
-          {"encoding", is_json ? "json" : "cdr"},
-          {"schemaName", channel.schema_name},
-          {"schema", channel.schema},
-          {"schemaEncoding", is_json ? "jsonschema" : "ros2msg"}};
-}
-
-json service_json(const Service& service) {
-  const auto side = [&](const char* name, const std::string& schema) {
-    return json{{"encoding", encoding},
-                {"schemaName", service.name + name},
-                {"schemaEncoding", "jsonschema"},
-                {"schema", schema}};
-  };
-  return {{"id", service.id},
-          {"name", service.name},
-          {"type", service.name},
-          {"request", side("_request", service.request_schema)},
-          {"response", side("_response", service.response_schema)}};
 }
 
 bool same(const Channel& a, const Channel& b) {
@@ -206,27 +169,11 @@ struct Conversation::Reading {
 };
 
 void Conversation::greet(const ServerInfo& info, const std::vector<Channel>& channels) {
-  desk_.send(text_frame({{"op", "serverInfo"},
-                         {"name", "smaservo"},
-                         {"capabilities", {"parameters", "parametersSubscribe", "services"}},
-                         {"supportedEncodings", {encoding}},
-                         {"metadata",
-                          {{"version", info.version},
-                           {"client", fmt::format("{}", info.client)},
-                           {"read_only", info.read_only ? "true" : "false"}}},
-                         {"sessionId", info.session}}));
+  desk_.send(server_info(info));
   channels_ = by_id(channels);
-  json all = json::array();
-  for (const auto& [id, channel] : channels_) {
-    all.push_back(channel_json(channel));
-  }
   // The protocol demands at least one such message.
-  desk_.send(text_frame({{"op", "advertise"}, {"channels", all}}));
-  json services = json::array();
-  for (const Service& service : services_) {
-    services.push_back(service_json(service));
-  }
-  desk_.send(text_frame({{"op", "advertiseServices"}, {"services", services}}));
+  desk_.send(advertise(channels_));
+  desk_.send(advertise_services(services_));
 }
 
 void Conversation::hear_text(std::string_view text) {
@@ -269,7 +216,7 @@ void Conversation::hear_bytes(std::string_view bytes) {
     fail(fmt::format("there is no service {}", service));
     return;
   }
-  if (length > bytes.size() || bytes.substr(0, length) != encoding) {
+  if (length > bytes.size() || bytes.substr(0, length) != service_encoding) {
     fail("the encoding of a request must be json");
     return;
   }
@@ -288,7 +235,7 @@ void Conversation::hear_bytes(std::string_view bytes) {
 }
 
 void Conversation::drop_channels(const std::map<std::uint32_t, Channel>& now) {
-  json gone = json::array();
+  std::vector<std::uint32_t> gone;
   for (const auto& [id, channel] : channels_) {
     const auto found = now.find(id);
     if (found != now.end() && same(found->second, channel)) {
@@ -301,65 +248,39 @@ void Conversation::drop_channels(const std::map<std::uint32_t, Channel>& now) {
     }
   }
   if (!gone.empty()) {
-    desk_.send(text_frame({{"op", "unadvertise"}, {"channelIds", gone}}));
+    desk_.send(unadvertise(gone));
   }
 }
 
 void Conversation::show_channels(const std::vector<Channel>& channels) {
   std::map<std::uint32_t, Channel> now = by_id(channels);
   drop_channels(now);
-  json come = json::array();
+  std::map<std::uint32_t, Channel> come;
   for (const auto& [id, channel] : now) {
     const auto before = channels_.find(id);
     if (before == channels_.end() || !same(before->second, channel)) {
-      come.push_back(channel_json(channel));
+      come.emplace(id, channel);
     }
   }
   channels_ = std::move(now);
   if (!come.empty()) {
-    desk_.send(text_frame({{"op", "advertise"}, {"channels", come}}));
+    desk_.send(advertise(come));
   }
 }
 
 void Conversation::message(std::uint32_t channel, std::int64_t time_ns,
                            const std::shared_ptr<const std::string>& bytes) {
   const auto wanted = by_channel_.find(channel);
-  if (wanted == by_channel_.end()) {
-    return;
+  if (wanted != by_channel_.end()) {
+    desk_.send(message_data(wanted->second, time_ns, bytes));
   }
-  Frame frame{.binary = true, .live = true, .head = {}, .body = bytes};
-  frame.head.push_back(message_data);
-  append(frame.head, wanted->second);
-  append(frame.head, static_cast<std::uint64_t>(time_ns));
-  desk_.send(std::move(frame));
-}
-
-void Conversation::send_parameters(std::span<const NamedValue> values,
-                                   const std::optional<std::string>& id) {
-  json all = json::array();
-  for (const NamedValue& value : values) {
-    json parameter{{"name", value.name}, {"value", json::parse(value.value, nullptr, false)}};
-    if (parameter["value"].is_discarded()) {
-      parameter["value"] = value.value;
-    }
-    // The type makes a client keep 4.0 a number with decimals.
-    if (parameter["value"].is_number_float()) {
-      parameter["type"] = "float64";
-    }
-    all.push_back(std::move(parameter));
-  }
-  json message{{"op", "parameterValues"}, {"parameters", std::move(all)}};
-  if (id) {
-    message["id"] = *id;
-  }
-  desk_.send(text_frame(message));
 }
 
 void Conversation::parameter_values(std::span<const NamedValue> values,
                                     const std::optional<std::string>& id,
                                     std::string_view refusal) {
   --open_;
-  send_parameters(values, id);
+  desk_.send(parameters_frame(values, id));
   if (!refusal.empty()) {
     status(Level::error, refusal);
   }
@@ -371,32 +292,17 @@ void Conversation::parameters_changed(std::span<const NamedValue> values) {
     return named_.contains(value.name) != wants_all_;
   });
   if (!mine.empty()) {
-    send_parameters(mine, std::nullopt);
+    desk_.send(parameters_frame(mine, std::nullopt));
   }
 }
 
 void Conversation::answer(std::uint32_t service, std::uint32_t call, Answer answer) {
   --open_;
-  if (!answer.ok) {
-    desk_.send(text_frame({{"op", "serviceCallFailure"},
-                           {"serviceId", service},
-                           {"callId", call},
-                           {"message", answer.text}}));
-    return;
-  }
-  Frame frame{
-      .binary = true, .head = {}, .body = std::make_shared<std::string>(std::move(answer.text))};
-  frame.head.push_back(service_response);
-  append(frame.head, service);
-  append(frame.head, call);
-  append(frame.head, static_cast<std::uint32_t>(encoding.size()));
-  frame.head += encoding;
-  desk_.send(std::move(frame));
+  desk_.send(service_answer(service, call, std::move(answer)));
 }
 
 void Conversation::status(Level level, std::string_view message) {
-  desk_.send(
-      text_frame({{"op", "status"}, {"level", static_cast<int>(level)}, {"message", message}}));
+  desk_.send(status_frame(static_cast<int>(level), message));
 }
 
 bool Conversation::may_ask(const char* what) {

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "host-sim/page/protocol/limits.hpp"
-#include "host-sim/page/protocol/send_queue.hpp"
+#include "host-sim/page/protocol/server_frames.hpp"
 #include "host-sim/page/source.hpp"
 
 namespace smaservo::page {
@@ -29,14 +29,6 @@ class Desk {
   virtual void set_parameters(std::vector<NamedValue> values, std::optional<std::string> id) = 0;
   /// Answered by one answer() with these numbers.
   virtual void call(std::uint32_t service, std::uint32_t call, std::string request) = 0;
-};
-
-/// The server's information about itself.
-struct ServerInfo {
-  std::string version;
-  std::string session;  ///< differs for each run of the server
-  std::uint32_t client;
-  bool read_only;
 };
 
 class Conversation {
@@ -73,7 +65,6 @@ class Conversation {
 
   bool may_ask(const char* what);
   void drop_channels(const std::map<std::uint32_t, Channel>& now);
-  void send_parameters(std::span<const NamedValue> values, const std::optional<std::string>& id);
 
   Desk& desk_;
   const std::vector<Service>& services_;

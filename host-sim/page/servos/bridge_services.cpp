@@ -9,7 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "firmware/text/reference/fault_reference.hpp"
+#include "firmware/text/fault_reference.hpp"
 #include "host-sim/can/bus/network.hpp"
 #include "host-sim/page/servos/bridge.hpp"
 #include "host-sim/page/servos/messages/requests.hpp"

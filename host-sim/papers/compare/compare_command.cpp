@@ -1,3 +1,5 @@
+#include "host-sim/papers/compare/compare_command.hpp"
+
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
@@ -6,7 +8,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "host-sim/commands.hpp"
+#include "firmware/text/settings_file.hpp"
 #include "host-sim/papers/compare/compare.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "firmware/text/text_table.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/papers/compare/compare.hpp"
 #include "host-sim/report/html.hpp"
+#include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::compare {
@@ -84,25 +84,25 @@ Json error_json(const replay::ErrorStatistics& error) {
 }
 
 /// HTML has the mean of each test in the last columns.
-text::TextTable table_of(const Comparison& comparison, bool with_tests) {
-  std::vector<text::TextTable::Column> columns{{"system"},
-                                               {"mean", "{:.2f}"},
-                                               {"95 %", "{:.2f}"},
-                                               {"max", "{:.2f}"},
-                                               {"a row", "{:.0f} ns", "", 1e9},
-                                               {"parameters", "{}"}};
+files::TextTable table_of(const Comparison& comparison, bool with_tests) {
+  std::vector<files::TextTable::Column> columns{{"system"},
+                                                {"mean", "{:.2f}"},
+                                                {"95 %", "{:.2f}"},
+                                                {"max", "{:.2f}"},
+                                                {"a row", "{:.0f} ns", "", 1e9},
+                                                {"parameters", "{}"}};
   for (std::size_t t = 0; with_tests && t < comparison.tests.size(); ++t) {
     columns.push_back({identify::file_name(comparison.tests[t].name) + ", mean", "{:.2f}"});
   }
-  text::TextTable table(std::move(columns));
+  files::TextTable table(std::move(columns));
   for (const Compared& one : comparison.systems) {
-    text::TextTable::Row row{one.system.name};
+    files::TextTable::Row row{one.system.name};
     if (one.error.count() > 0) {
       row.insert(row.end(), {one.error.mean(), one.error.quantile(0.95), one.error.maximum(),
                              one.step_s, one.system.parameters});
       for (std::size_t t = 0; with_tests && t < one.runs.size(); ++t) {
         const replay::ErrorStatistics& error = one.runs[t].error;
-        row.push_back(error.count() > 0 ? error.mean() : text::TextTable::Cell{});
+        row.push_back(error.count() > 0 ? error.mean() : files::TextTable::Cell{});
       }
     }
     table.add(std::move(row));
@@ -115,9 +115,9 @@ std::string remarks_html(const Comparison& comparison) {
   for (const Compared& one : comparison.systems) {
     const std::string said = remark(one);
     html +=
-        fmt::format("<b>{}</b>: {}{}{}.<br>\n", text::escaped(one.system.name),
-                    text::escaped(one.system.meaning),
-                    one.system.meaning.empty() || said.empty() ? "" : "; ", text::escaped(said));
+        fmt::format("<b>{}</b>: {}{}{}.<br>\n", files::escaped(one.system.name),
+                    files::escaped(one.system.meaning),
+                    one.system.meaning.empty() || said.empty() ? "" : "; ", files::escaped(said));
   }
   return html + "</p>\n";
 }
@@ -261,7 +261,7 @@ std::string comparison_json(const Comparison& comparison) {
     }
     json["systems"].push_back(system);
   }
-  return text::json_text(json);
+  return files::json_text(json);
 }
 
 void write_comparison_report(const std::string& path, const Comparison& comparison) {
@@ -272,7 +272,7 @@ void write_comparison_report(const std::string& path, const Comparison& comparis
     }
   }
   report::write_html(path, "Systems compared",
-                     fmt::format("<p>{}</p>\n", text::escaped(heading(comparison))) +
+                     fmt::format("<p>{}</p>\n", files::escaped(heading(comparison))) +
                          table_of(comparison, true).html() + remarks_html(comparison) +
                          report::plots_html(plots));
 }

@@ -28,7 +28,7 @@ std::string file_name(const Paper& paper, const PaperFigure& figure, std::size_t
 std::string figure_html(const Paper& paper, const PaperFigure& figure,
                         const std::vector<std::string>& svg) {
   return fmt::format("<h3>{}, figure {}: {}</h3>\n<p class=\"caption\">{}</p>\n{}", paper.number,
-                     figure.number, text::escaped(figure.title), text::escaped(figure.caption),
+                     figure.number, files::escaped(figure.title), files::escaped(figure.caption),
                      report::plots_html(figure.panels, svg, 4));
 }
 
@@ -76,7 +76,7 @@ void write_figures(const std::string& folder, const std::vector<std::string>& pa
       continue;
     }
     html += fmt::format("<h2>Paper {}: {}</h2>\n<p>{}</p>\n", paper.number,
-                        text::escaped(paper.title), text::escaped(paper.left_out));
+                        files::escaped(paper.title), files::escaped(paper.left_out));
     for (const PaperFigure& figure : paper.figures()) {
       const std::vector<std::string> svg = report::pictures(figure.panels);
       for (std::size_t panel = 0; panel < svg.size(); ++panel) {

@@ -1,7 +1,8 @@
+#include "host-sim/papers/figures/figures_command.hpp"
+
 #include <fmt/format.h>
 #include <memory>
 
-#include "host-sim/commands.hpp"
 #include "host-sim/papers/figures/figure.hpp"
 #include "model/files/message.hpp"
 

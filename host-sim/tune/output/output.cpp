@@ -6,9 +6,9 @@
 #include <numbers>
 #include <sstream>
 
-#include "firmware/text/text_table.hpp"
 #include "host-sim/tune/tune.hpp"
 #include "model/files/message.hpp"
+#include "model/files/text_table.hpp"
 #include "model/files/toml/toml_fields.hpp"
 #include "model/units.hpp"
 
@@ -50,7 +50,7 @@ double in_Hz(double rad_s) {
 }
 
 std::string settings_text(const Tuned& t) {
-  text::TextTable table({{""}, {"", "{:.6g}"}, {""}});
+  files::TextTable table({{""}, {"", "{:.6g}"}, {""}});
   for (const Chosen& c : t.chosen) {
     table.add({c.path(), c.value, c.why});
   }
@@ -58,13 +58,13 @@ std::string settings_text(const Tuned& t) {
 }
 
 std::string margins_text(const Tuned& t) {
-  text::TextTable table({{"loop"},
-                         {"gain margin dB", "{:.1f}"},
-                         {"phase margin °", "{:.0f}"},
-                         {"worst Ms", "{:.2f}"},
-                         {"crosses Hz", "{:.3g}"},
-                         {"answers in %", "{:.0f}"},
-                         {"worst where"}});
+  files::TextTable table({{"loop"},
+                          {"gain margin dB", "{:.1f}"},
+                          {"phase margin °", "{:.0f}"},
+                          {"worst Ms", "{:.2f}"},
+                          {"crosses Hz", "{:.3g}"},
+                          {"answers in %", "{:.0f}"},
+                          {"worst where"}});
   for (const DesignedLoop& loop : t.proposal.loops) {
     const Margins& m = loop.worst;
     if (loop.possible) {
@@ -82,16 +82,16 @@ std::string margins_text(const Tuned& t) {
                      AskedMargins{}.sensitivity);
 }
 
-text::TextTable relays(const Tuned& t) {
-  text::TextTable table({{"relay test", "", "loop"},
-                         {"while", "", "motion"},
-                         {"wire", "", "plant"},
-                         {"Hz", "{:.3g}", "Hz"},
-                         {"expected", "{:.3g}", "expected_Hz"},
-                         {"gain", "{:.3g}", "gain"},
-                         {"expected", "{:.3g}", "expected_gain"},
-                         {""},
-                         {.key = "agrees"}});
+files::TextTable relays(const Tuned& t) {
+  files::TextTable table({{"relay test", "", "loop"},
+                          {"while", "", "motion"},
+                          {"wire", "", "plant"},
+                          {"Hz", "{:.3g}", "Hz"},
+                          {"expected", "{:.3g}", "expected_Hz"},
+                          {"gain", "{:.3g}", "gain"},
+                          {"expected", "{:.3g}", "expected_gain"},
+                          {""},
+                          {.key = "agrees"}});
   for (const RelayCheck& c : t.relays) {
     table.add({loop_text(c.name), motion_name(c.motion), c.plant, in_Hz(c.tested.rad_s),
                in_Hz(c.expected.rad_s), c.tested.gain, c.expected.gain,
@@ -101,13 +101,13 @@ text::TextTable relays(const Tuned& t) {
 }
 
 std::string steps_text(const Tuned& t) {
-  text::TextTable table({{"step of the strain"},
-                         {"rise s", "{:.3g}"},
-                         {"settles s", "{:.3g}"},
-                         {"overshoot %", "{:.2f}"},
-                         {"steady %", "{:.2f}"},
-                         {"ripple %", "{:.2f}"},
-                         {"hottest °C", "{:.1f}"}});
+  files::TextTable table({{"step of the strain"},
+                          {"rise s", "{:.3g}"},
+                          {"settles s", "{:.3g}"},
+                          {"overshoot %", "{:.2f}"},
+                          {"steady %", "{:.2f}"},
+                          {"ripple %", "{:.2f}"},
+                          {"hottest °C", "{:.1f}"}});
   const auto add = [&](const char* who, const StepResponse& s) {
     table.add({fmt::format("{:.2f} to {:.2f} %{}", 100 * s.from, 100 * s.to, who), s.rise_s,
                s.settling_s, percent_of_stroke(t, s.overshoot),
@@ -178,7 +178,7 @@ std::string tuned_json(const Tuned& t) {
         {{"file", step_json(t.expected.runs.front().steps[i])}, {"worst", step_json(t.worst[i])}});
   }
   all["warnings"] = t.warnings;
-  return text::json_text(all);
+  return files::json_text(all);
 }
 
 std::string tuned_toml(const Tuned& t) {

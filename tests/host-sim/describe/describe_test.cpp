@@ -5,7 +5,7 @@
 
 #include "firmware/parameters/parameters.hpp"
 #include "firmware/safety/faults/table.hpp"
-#include "firmware/text/reference/parameter_reference.hpp"
+#include "firmware/text/canopen/parameter_reference.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "tests/host-sim/program.hpp"
 #include "tests/places.hpp"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "model/three_phase/ihyp.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 #include "tests/host-sim/replay/measured_data.hpp"
 
 namespace smaservo::test {

@@ -80,10 +80,10 @@ const tests = {
     const device = path.join(source, 'host-sim/scenarios/devices/sublayers-1000.toml');
     host('simulate', path.join(source, 'host-sim/scenarios/steps.toml'), '--out', 'steps.mcap');
     assert.match(
-      host('replay', '--device', device, 'steps.mcap', '--out', 'again.mcap'),
+      host('replay-device', device, 'steps.mcap', '--out', 'again.mcap'),
       /all 21 outputs are the same to the last bit/,
     );
-    host('replay', '--device', device, 'again.mcap', '--out', 'again.csv');
+    host('replay-device', device, 'again.mcap', '--out', 'again.csv');
     await bothWays('again');
   },
 
@@ -167,7 +167,7 @@ const tests = {
     const recording = await bothWays('bus');
     assert.equal(recording.metadata.program, 'smaservod --record');
     assert.equal(recording.properties.parameter_changes.type, 'string');
-    assert.match(host('replay', '--device', 'bus.mcap.toml', 'bus.mcap'), /same to the last bit/);
+    assert.match(host('replay-device', 'bus.mcap.toml', 'bus.mcap'), /same to the last bit/);
   },
 
   async killed() {
@@ -184,7 +184,7 @@ const tests = {
     await until('1000 rows', () => rows_so_far() >= 1000);
     started.kill('SIGKILL');
     await ended;
-    assert.match(host('replay', '--device', 'killed.mcap.toml', 'killed.mcap'), /without a footer/);
+    assert.match(host('replay-device', 'killed.mcap.toml', 'killed.mcap'), /without a footer/);
     assert.match(host('convert', 'killed.mcap', '--out', 'repaired.mcap'), /without a footer/);
     host('convert', 'killed.mcap', '--out', 'repaired.csv');
     const { rows } = await bothWays('repaired');

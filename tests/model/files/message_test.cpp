@@ -8,7 +8,7 @@
 #include <toml++/toml.h>
 #include <vector>
 
-#include "firmware/text/text_table.hpp"
+#include "model/files/text_table.hpp"
 #include "model/files/toml/toml_fields.hpp"
 
 namespace {
@@ -83,11 +83,11 @@ TEST(Message, JsonStaysJson) {
   const std::string text = "\x1B\n\x7F\xC2\x9B" + turned() + "\U000E0041µ";
   const nlohmann::ordered_json json{{text, text}};
   for (const int indent : {-1, 2}) {
-    const std::string document = text::json_text(json, indent);
+    const std::string document = files::json_text(json, indent);
     EXPECT_EQ(nlohmann::ordered_json::parse(document), json);
     EXPECT_EQ(files::printable_lines(document), document);
   }
-  EXPECT_NE(text::json_text({"\xFF"}, -1), "") << "no UTF-8, which the library would refuse";
+  EXPECT_NE(files::json_text({"\xFF"}, -1), "") << "no UTF-8, which the library would refuse";
 }
 
 /// No string ends its quotes or its line, as a value or as a key.

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "model/three_phase/ihyp.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 
 namespace smaservo::pair_test {
 namespace {

@@ -9,7 +9,7 @@
 #include <random>
 #include <type_traits>
 
-#include "model/three_phase/ihyp.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 
 namespace smaservo::scaled_test {
 namespace {

@@ -12,7 +12,7 @@
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/canopen/objects.hpp"
 #include "firmware/text/device_names.hpp"
-#include "firmware/text/reference/fault_reference.hpp"
+#include "firmware/text/fault_reference.hpp"
 #include "firmware/text/settings_text.hpp"
 #include "host-sim/page/servos/servo.hpp"
 #include "model/files/error.hpp"

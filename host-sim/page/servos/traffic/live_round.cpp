@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace smaservo::page {
 namespace {
@@ -29,22 +30,89 @@ constexpr std::array<std::size_t, signal_count> by_importance = [] {
 /// A little more than the promised rate.
 constexpr double rounds_per_s = 55;
 constexpr double min_in_each = 4;
+/// Between the beginnings of two rounds: 80 Hz.
+constexpr std::int64_t period_us = 12'500;
+/// The rate that is promised. What takes longer counts as missing samples.
+constexpr std::int64_t promised_us = 20'000;
 
 }  // namespace
 
-LiveRound live_round(double requests_per_s, const SignalSet* by_sync) {
+PolledSignals polled_signals(double requests_per_s, const SignalSet* by_sync) {
   const double room = requests_per_s / rounds_per_s - 1;
   const auto first =
       static_cast<std::size_t>(std::clamp(room, min_in_each, static_cast<double>(signal_count)));
-  LiveRound round;
+  PolledSignals polled;
   for (const std::size_t signal : by_importance) {
     if (by_sync != nullptr && (*by_sync)[signal]) {
       continue;
     }
-    const bool in_each = by_sync == nullptr && round.fast.size() < first;
-    (in_each ? round.fast : round.slow).push_back(signal);
+    const bool in_each = by_sync == nullptr && polled.fast.size() < first;
+    (in_each ? polled.fast : polled.slow).push_back(signal);
   }
-  return round;
+  return polled;
+}
+
+void LiveRound::begin(PolledSignals signals, std::int64_t now_us) {
+  due_us_ = std::max(due_us_ + period_us, now_us);
+  signals_ = std::move(signals);
+  fast_ = {};
+  at_ = 0;
+  running_ = !signals_.fast.empty() || !signals_.slow.empty();
+}
+
+std::size_t LiveRound::next() {
+  const std::size_t at = at_++;
+  asked_ = at < signals_.fast.size() ? signals_.fast[at]
+                                     : signals_.slow[std::min(slow_at_, signals_.slow.size() - 1)];
+  return asked_;
+}
+
+LiveRound::Completed LiveRound::take(std::optional<float> value, std::int64_t now_us) {
+  Completed completed;
+  if (value) {
+    Sample& sample = at_ <= signals_.fast.size() ? fast_ : slow_;
+    sample.has.set(asked_);
+    sample.values[asked_] = *value;
+    sample.time_us = now_us;
+  }
+  if (at_ == signals_.fast.size() && at_ != 0) {
+    const std::int64_t since_us = now_us - last_us_;
+    if (last_us_ != 0 && since_us >= 2 * promised_us) {
+      gaps_ += static_cast<std::uint64_t>(since_us / promised_us - 1);
+    }
+    last_us_ = now_us;
+    if (fast_.has.any()) {
+      completed.fast = fast_;
+    }
+  }
+  if (at_ < signals_.fast.size() + (signals_.slow.empty() ? 0 : 1)) {
+    return completed;
+  }
+  running_ = false;
+  if (++slow_at_ < signals_.slow.size()) {
+    return completed;
+  }
+  slow_at_ = 0;
+  if (slow_.has.any()) {
+    completed.slow = slow_;
+  }
+  slow_ = {};
+  return completed;
+}
+
+void LiveRound::stop() {
+  running_ = false;
+  last_us_ = 0;
+}
+
+std::optional<double> SampleRate::count(std::int64_t now_us) {
+  ++count_;
+  const std::int64_t span_us = now_us - since_us_;
+  if (span_us < 1'000'000) {
+    return std::nullopt;
+  }
+  since_us_ = now_us;
+  return 1e6 * std::exchange(count_, 0) / static_cast<double>(span_us);
 }
 
 }  // namespace smaservo::page

@@ -7,8 +7,12 @@
 #include <map>
 
 #include "host-sim/page/servos/servo.hpp"
+#include "host-sim/page/servos/traffic/courtesy.hpp"
+#include "host-sim/page/servos/traffic/duplicates.hpp"
 #include "host-sim/page/servos/traffic/live_round.hpp"
+#include "host-sim/page/servos/traffic/search.hpp"
 #include "host-sim/page/servos/traffic/shared_bus.hpp"
+#include "host-sim/page/servos/traffic/state_round.hpp"
 #include "host-sim/page/servos/traffic/sync_stream.hpp"
 
 namespace smaservo::page {
@@ -52,7 +56,7 @@ class LiveTraffic final : public Traffic {
   /// The state of a servo is to be read at once.
   void refresh(unsigned node);
   /// A node that somebody has found.
-  void probe(unsigned node) { candidates_.set(node); }
+  void probe(unsigned node) { search_.propose(node); }
 
  private:
   enum class Reason : std::uint8_t { state, live, renewal, probe };
@@ -60,42 +64,27 @@ class LiveTraffic final : public Traffic {
   struct Link {
     bool waits = false;
     Reason reason = Reason::probe;
-    Key key{}, answered{};
-    std::int64_t sent_us = 0, answered_us = -1'000'000, foreign_us = -1'000'000;
+    Key key{};
+    std::int64_t sent_us = 0;
     unsigned silences = 0;
-    unsigned surplus = 0;
-    std::int64_t surplus_us = -1'000'000'000;
-    std::int64_t next_try_us = 0, hold_until_us = 0;
-    // The round of the state, and that of the live values.
-    std::size_t state_at = 0;
-    std::int64_t state_due_us = 0;
-    std::size_t live_at = 0, slow_at = 0;  ///< in the round; among the slow ones
-    std::int64_t live_due_us = 0, live_last_us = 0;
-    bool in_round = false;
-    LiveRound round;
-    Sample sample, slow_sample;
-    std::uint64_t polled_gaps = 0;
-    std::int64_t rate_since_us = 0;
-    unsigned rate_count = 0;
+    StateRound state;
+    LiveRound live;
+    Duplicates duplicates;
+    SampleRate rate;
+    Courtesy courtesy;
   };
 
   Servo* servo_of(unsigned node);
   void ask(unsigned node, Key key, Reason reason, std::int64_t now_us,
            std::optional<std::uint16_t> value = {});
   void answered(unsigned node, const hal::CanFrame& frame, std::int64_t now_us);
-  void take(Servo& servo, Link& link, const hal::CanFrame& frame, std::int64_t now_us);
-  void take_state(Servo& servo, Link& link, std::uint32_t value, std::int64_t sent_us,
-                  std::int64_t now_us);
-  void take_live(Servo& servo, Link& link, std::optional<float> value, std::int64_t now_us);
-  void surplus_answer(unsigned node, Link& link, std::int64_t now_us);
+  void take_state(Servo& servo, Link& link, std::uint32_t value, std::int64_t now_us);
+  void take_live(Servo& servo, Link& link, std::optional<std::uint32_t> value, std::int64_t now_us);
   void sample(Servo& servo, Link& link, const Sample& sample, std::int64_t now_us);
   void renew(std::int64_t now_us);
   void poll(unsigned node, std::int64_t now_us);
-  bool poll_state(Servo& servo, Link& link, std::int64_t now_us);
-  bool poll_live(Servo& servo, Link& link, std::int64_t now_us);
-  void begin_round(unsigned node, Link& link);
+  void poll_live(Servo& servo, Link& link, std::int64_t now_us);
   void look_for_silence(unsigned node, std::int64_t now_us);
-  void search(std::int64_t now_us);
   void send(std::int64_t now_us);
   bool is_busy(unsigned node) const { return busy_ != nullptr && busy_->test(node); }
 
@@ -107,11 +96,12 @@ class LiveTraffic final : public Traffic {
   const NodeSet* busy_ = nullptr;
   std::map<unsigned, Servo> servos_;
   std::array<Link, 128> links_;
-  NodeSet live_, candidates_;
+  NodeSet live_;
+  Search search_;
   bool anything_ = false;
   double allowed_ = 0;
-  std::int64_t allowed_us_ = 0, pause_until_us_ = 0, search_us_ = 0;
-  unsigned search_at_ = 1, turn_ = 0;
+  std::int64_t allowed_us_ = 0, pause_until_us_ = 0;
+  unsigned turn_ = 0;
 };
 
 }  // namespace smaservo::page

@@ -2,8 +2,8 @@
 #include <utility>
 
 #include "host-sim/papers/figures/000/paper_000_drawing.hpp"
-#include "model/three_phase/ihyp.hpp"
 #include "model/units.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 
 namespace smaservo::figures {
 namespace paper_000 {

@@ -1,6 +1,5 @@
 #include "host-sim/papers/figures/002/position_loop_002.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -9,22 +8,6 @@
 namespace smaservo::figures::bench_002 {
 PidGains gains() {
   return {16, 16, 1.5, min_current_A, wire().wire.limits.current_A};
-}
-
-double PidController::current_A(double goal, double strain, double dt_s) {
-  constexpr double smoothing_s = 0.02;  // time constant of the low-pass on the derivative
-  const double error = strain - goal;
-  before_ = first_ ? strain : before_;
-  first_ = false;
-  const double rise = (strain - before_) / (smoothing_s + dt_s);
-  before_ += rise * dt_s;
-  const double wanted_A = gains_.proportional_A * error + integral_A_ + gains_.derivative_As * rise;
-  const bool above = wanted_A > gains_.max_current_A;
-  const bool below = wanted_A < gains_.min_current_A;
-  if (!(above && error > 0) && !(below && error < 0)) {
-    integral_A_ += gains_.integral_A_s * error * dt_s;
-  }
-  return std::clamp(wanted_A, gains_.min_current_A, gains_.max_current_A);
 }
 
 std::vector<LoopRow> position_loop(hal::Family family,

@@ -5,34 +5,15 @@
 #include <vector>
 
 #include "host-sim/papers/figures/002/bench_002.hpp"
+#include "observer/papers/position_pid.hpp"
 
 namespace smaservo::figures::bench_002 {
 
-/// Gains from strain to current, per unit of strain.
-struct PidGains {
-  double proportional_A;
-  double integral_A_s;
-  double derivative_As;
-  double min_current_A;  ///< keeps the resistance measurable
-  double max_current_A;  ///< greatest current that the wire bears
-};
+using papers::PidController;
+using papers::PidGains;
 
 /// The gains were found by trial, like the paper's.
 PidGains gains();
-
-/// The controller acts on strain - goal, because more current makes the wire shorter. The integral
-/// is frozen while the current is at a limit and the error would drive it beyond.
-class PidController {
- public:
-  explicit PidController(const PidGains& gains) : gains_(gains) {}
-  double current_A(double goal, double strain, double dt_s);
-
- private:
-  PidGains gains_;
-  double integral_A_ = 0;
-  double before_ = 0;  ///< smoothed strain of the last step
-  bool first_ = true;
-};
 
 struct LoopRow {
   double time_s, goal, strain, estimate, current_A, stress_Pa;

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "host-sim/papers/figures/003/paper_003.hpp"
-#include "host-sim/papers/fits/reversal_curves.hpp"
+#include "host-sim/papers/figures/003/reversal_curves.hpp"
 #include "model/files/wire/wire_file.hpp"
 #include "model/units.hpp"
 
@@ -54,13 +54,13 @@ std::vector<LoopReference> references_003(bool dynamic) {
 fits::PreisachFit fit_003(hal::Family family, fits::StressShift shift) {
   std::vector<identify::Run> runs;
   for (double stress_Pa = 100e6; stress_Pa < 201e6; stress_Pa += 25e6) {
-    runs.push_back(fits::bath_run({"reversal curves",
-                                   wire_003(),
-                                   wire_seed,
-                                   scatter_K,
-                                   family,
-                                   {},
-                                   fits::reversal_curves(wire_003().wire, stress_Pa, 20)}));
+    runs.push_back(bath_run({"reversal curves",
+                             wire_003(),
+                             wire_seed,
+                             scatter_K,
+                             family,
+                             {},
+                             reversal_curves(wire_003().wire, stress_Pa, 20)}));
   }
   return fits::fit_preisach(runs, shift);
 }

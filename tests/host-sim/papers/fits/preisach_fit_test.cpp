@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "host-sim/papers/fits/reversal_curves.hpp"
+#include "host-sim/papers/figures/003/reversal_curves.hpp"
 #include "model/files/error.hpp"
 #include "model/files/wire/wire_file.hpp"
 #include "tests/model/papers/preisach_relays.hpp"
@@ -229,13 +229,13 @@ class PreisachOfFamily : public ::testing::TestWithParam<hal::Family> {
     Runs runs;
     for (double stress_MPa = 100; stress_MPa < 201; stress_MPa += 25) {
       runs.push_back(
-          fits::bath_run({"run",
-                          description(),
-                          7,
-                          0.5,
-                          GetParam(),
-                          {},
-                          fits::reversal_curves(description().wire, stress_MPa * MPa, 20)}));
+          figures::bath_run({"run",
+                             description(),
+                             7,
+                             0.5,
+                             GetParam(),
+                             {},
+                             figures::reversal_curves(description().wire, stress_MPa * MPa, 20)}));
     }
     return fits::fit_preisach(runs, shift);
   }

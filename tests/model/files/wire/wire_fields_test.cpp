@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "firmware/text/text_table.hpp"
+#include "model/files/text_table.hpp"
 #include "model/files/wire/wire_file.hpp"
 #include "tests/places.hpp"
 
@@ -71,7 +71,7 @@ bool is_coefficient(const Field& field) {
 }
 
 std::string key_table() {
-  text::TextTable table(
+  files::TextTable table(
       {{"Key, without its unit"}, {"Units"}, {"Range"}, {"Needed"}, {"Meaning; default"}});
   std::size_t next = 0;
   for (const Field& field : wire_fields()) {

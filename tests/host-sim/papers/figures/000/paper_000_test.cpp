@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "model/three_phase/ihyp.hpp"
 #include "model/units.hpp"
+#include "model/wire/three_phase/ihyp.hpp"
 #include "tests/host-sim/replay/measured_data.hpp"
 
 namespace smaservo::figures::paper_000 {

@@ -1,0 +1,7 @@
+#pragma once
+
+#include "host-sim/options.hpp"
+
+namespace smaservo::convert {
+void add_convert_command(CLI::App& app);
+}  // namespace smaservo::convert

@@ -1,0 +1,20 @@
+#pragma once
+// What all commands of host-sim need where they read their options. Only options.cpp, *_command.*
+// and commands/commands.cpp include it. They are compiled as one source, since CLI11 takes five
+// seconds to compile.
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace smaservo {
+
+/// Checks that an option's value, if given, is in this range. Throws UserError.
+void require(const char* option, const std::optional<double>& value, double low, double high);
+
+/// Throws UserError if both names denote the same file. A device, "-" and an empty name are not
+/// files.
+void refuse_to_overwrite(const std::string& file, const std::string& output);
+
+}  // namespace smaservo

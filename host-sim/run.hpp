@@ -1,9 +1,0 @@
-#pragma once
-
-namespace smaservo {
-
-/// Runs the command of the command line; returns the exit code. Throws the exceptions of the
-/// command.
-int run_host_sim(int argc, char** argv);
-
-}  // namespace smaservo

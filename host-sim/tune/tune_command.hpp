@@ -1,0 +1,7 @@
+#pragma once
+
+#include "host-sim/options.hpp"
+
+namespace smaservo::tune {
+void add_tune_command(CLI::App& app);
+}  // namespace smaservo::tune
