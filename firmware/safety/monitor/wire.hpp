@@ -1,7 +1,7 @@
 #pragma once
 // Detects faults of the wire, its leads, its clamps and its load.
 
-#include "firmware/safety/monitor/cooling.hpp"
+#include "firmware/safety/cooling/cooling_guard.hpp"
 #include "firmware/safety/monitor/drive.hpp"
 #include "firmware/safety/monitor/hot_resistance.hpp"
 #include "firmware/safety/monitor/open_heat.hpp"

@@ -1,4 +1,4 @@
-#include "firmware/safety/monitor/cooling.hpp"
+#include "firmware/safety/cooling/cooling_guard.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -43,8 +43,8 @@
 // `host-sim evaluate --closed-loop --random-from 50000` and by held strains (commits e0eb91cd and
 // 0e1184e1 have the tables); firmware/README.md says how well it holds on other seeds.
 
-#include "firmware/safety/monitor/cooling_shares.hpp"
-#include "firmware/safety/monitor/resistance_watch.hpp"
+#include "firmware/safety/cooling/cooling_shares.hpp"
+#include "firmware/safety/cooling/resistance_watch.hpp"
 
 namespace smaservo {
 
