@@ -59,9 +59,11 @@ struct Rule : RuleRow {
 
 namespace detail {
 
-std::size_t no_such_parameter();  // never defined, so that a call does not compile
+/// row_of() calls this function for an unknown path. That is a compile error, because it is not
+/// constexpr; so it needs no definition.
+std::size_t no_such_parameter();
 
-/// A path that is not in the table does not compile.
+/// The row of this path. A path that is not in the table does not compile.
 consteval std::uint16_t row_of(std::string_view path) {
   return static_cast<std::uint16_t>(find_parameter(path) < parameter_count ? find_parameter(path)
                                                                            : no_such_parameter());

@@ -51,7 +51,7 @@ struct ReplayResult {
 };
 
 /// Throws UserError, TraceError; UserError also where most readings of current and voltage have
-/// opposite signs, since such a resistance is none.
+/// opposite signs, since a negative resistance is meaningless.
 ReplayResult replay(const ReplayOptions& options);
 
 }  // namespace smaservo::replay

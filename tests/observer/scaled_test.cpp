@@ -1,5 +1,5 @@
-// Model and observer in integer arithmetic (model/scalar/scaled.hpp) against double, over the
-// project's traces and random ones.
+// Compares model and observer in integer arithmetic (model/scalar/scaled.hpp) with those in double,
+// over the project's traces and random ones.
 
 #include "model/scalar/scaled.hpp"
 
@@ -86,7 +86,8 @@ struct Deviation {
   }
 };
 
-/// Kinetics and mixture on the way through temperature and stress that the double's wire takes.
+/// Differences of the strain by kinetics and mixture in Scaled from that in double. Both get the
+/// temperatures and stresses of a wire that is simulated in double.
 Deviation model_deviation(const Recorded& run) {
   using Exact = Plant<ThreePhase<double>>;
   using K = ThreePhase<Scaled>;
@@ -152,9 +153,9 @@ TEST(ScaledTraces, TheModelIsThatOfADouble) {
   }
 }
 
-// A step of the heat balance does not know where the transformation goes on: after a step that
-// transforms nothing it overshoots, and for some steps the smallest difference grows tenfold in
-// each. Two observers in double that differ by their last bit part as far.
+// A step of the heat balance does not know at which temperature the transformation continues. After
+// a step that transforms nothing it overshoots, and then the smallest difference grows tenfold in
+// each of some steps. Two observers in double that differ by their last bit deviate as far.
 TEST(ScaledTraces, TheObserverIsThatOfADouble) {
   for (const Recorded& run : all_runs()) {
     const Deviation deviation = observer_deviation(run);

@@ -234,7 +234,7 @@ void SdoServer::abort(Abort code) {
   put_number(std::span(answer_).subspan(4), static_cast<std::uint32_t>(code));
 }
 
-// Expedited and segmented.
+// Expedited and segmented transfers.
 
 void SdoServer::start_download(Request request) {
   const bool expedited = (request[0] & 2U) != 0;

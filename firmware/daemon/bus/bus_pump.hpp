@@ -22,14 +22,14 @@ struct CycleReport {
   double dt_s;
 };
 
-/// The node's message to the loop.
+/// A message of the node to the loop.
 struct NodeSays {
   Command<double> command;
   FaultSet external;
   std::uint32_t setpoints = 0;  ///< set-points received in cyclic modes since the start
 };
 
-/// The command source as the loop sees it. A command is fresh in one cycle only. After `lease_s`
+/// The bus as a command source of the loop. A command is fresh in one cycle only. After `lease_s`
 /// without a sign of life from the bus's thread the command source counts as lost, so that heat
 /// does not outlive the thread that requests it.
 class BusCommandSource : public CommandSource {
@@ -48,7 +48,7 @@ class BusCommandSource : public CommandSource {
  private:
   double lease_s_;
   Latest<NodeSays> says_;
-  /// When it is full, the node misses reports, which does no harm.
+  /// While the ring is full, the node misses reports, which does no harm.
   Ring<CycleReport> reports_{256};
   NodeSays last_{};
   double said_s_ = 0;
@@ -70,8 +70,8 @@ inline Heard<double> BusCommandSource::listen(double time_s) {
   return {last_.command, external, false, come};
 }
 
-/// round() is one round of the bus's thread. It gives the node the received frames, the reports of
-/// the loop's cycles and the time, and sends the node's frames. `give_settings()` gives the loop
+/// round() does one round of the bus's thread: it gives the node the received frames, the reports
+/// of the loop's cycles and the time, and sends the node's frames. `give_settings()` gives the loop
 /// the settings that the node has put in force meanwhile, if there are any.
 template <hal::CanPort Port, class Node>
 class BusPump {

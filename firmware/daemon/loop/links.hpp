@@ -1,5 +1,5 @@
 #pragma once
-// What the loop and the other threads share. No side ever waits for the other one.
+// Data shared by the loop and the other threads. No side ever waits for the other one.
 
 #include <array>
 #include <atomic>
@@ -12,7 +12,7 @@
 
 namespace smaservo::daemon {
 
-/// What one cycle leaves to the recorder.
+/// The record of one cycle, for the recorder.
 struct CycleRecord {
   Cycle cycle;
   std::uint64_t number;  ///< counts cycles; a gap: the ring was full
@@ -22,8 +22,8 @@ struct CycleRecord {
 
 struct LoopLinks {
   Ring<ParameterSet*> new_sets{16};      ///< parameters for the loop
-  Ring<ParameterSet*> old_sets{32};      ///< replaced ones, for the desk to delete
-  std::atomic<std::uint64_t> faults{0};  ///< of other threads, as FaultSet::bits()
+  Ring<ParameterSet*> old_sets{32};      ///< replaced or refused parameters, which the desk deletes
+  std::atomic<std::uint64_t> faults{0};  ///< faults of other threads, as FaultSet::bits()
   std::atomic<bool> stop{false};
   std::atomic<bool> restart{false};  ///< set with `stop`: start anew, as after switching on
   Latest<Output<double>> output;
@@ -42,15 +42,15 @@ struct LoopFigures {
   };
 
   std::atomic<std::uint64_t> cycles{0};
-  std::atomic<std::uint64_t> missed{0};       ///< cycles left out, their time having passed
+  std::atomic<std::uint64_t> missed{0};       ///< cycles left out because their time had passed
   std::atomic<std::uint64_t> no_frame{0};     ///< cycles without a frame
-  std::atomic<std::uint64_t> lost_frames{0};  ///< by gaps in the sequence number
-  std::atomic<std::uint64_t> setpoints{0};    ///< from a master, in cyclic modes
+  std::atomic<std::uint64_t> lost_frames{0};  ///< counted by gaps in the sequence number
+  std::atomic<std::uint64_t> setpoints{0};    ///< set-points from a master, in cyclic modes
   /// Set-points that a newer one replaced before a cycle took them.
   std::atomic<std::uint64_t> superseded{0};
-  Histogram wake;             ///< how late a cycle woke up
+  Histogram wake;             ///< delay of a cycle's wake-up
   Histogram execution;        ///< from waking up to the end of the cycle
-  Histogram sample_to_drive;  ///< from the instant of the sample to the drive being told
+  Histogram sample_to_drive;  ///< from the instant of the sample to the command of the drive
   std::array<Stop, fault_count> stops{};      ///< by the fault that ended a current
   std::atomic<std::uint64_t> guard_stops{0};  ///< times that the guard had to switch off
 };

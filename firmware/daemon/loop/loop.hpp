@@ -24,8 +24,9 @@ struct LoopTiming {
 template <class B>
 inline constexpr bool in_monotonic_time = requires { requires B::in_monotonic_time; };
 
-/// So long the loop of a simulated wire may stand still, whose time stands still with it: the
-/// scheduler of a PC is no fault of the device. On a real board it is the lease.
+/// Longest time for which the loop of a simulated wire may stand still. The wire's time stands
+/// still with the loop, and the scheduler of a PC is no fault of the device. On a real board the
+/// lease takes its place.
 inline constexpr std::int64_t longest_simulated_stall_ns = 1'000'000'000;
 
 template <hal::Board B, class Pacing>

@@ -1,6 +1,6 @@
 #pragma once
-// Pass values from one thread to one other without locks: neither thread ever waits, and nothing is
-// allocated after the start.
+// Classes that pass values from one thread to one other without locks. Neither thread ever waits,
+// and nothing is allocated after the start.
 
 #include <array>
 #include <atomic>
@@ -20,11 +20,11 @@ class Ring {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  /// Room for at least so many values. Its pages are touched here, so that the loop causes no page
-  /// fault.
+  /// Has room for at least this number of values. Its pages are touched here, so that the loop
+  /// causes no page fault.
   explicit Ring(std::size_t room) : cells_(std::bit_ceil(room)), mask_(cells_.size() - 1) {}
 
-  /// For the one thread that writes. False: it is full, nothing is written.
+  /// For the one thread that writes. Returns false, and writes nothing, if the ring is full.
   bool push(const T& value) {
     const std::size_t end = end_.load(std::memory_order_relaxed);
     if (end - begin_.load(std::memory_order_acquire) == cells_.size()) {
@@ -35,7 +35,7 @@ class Ring {
     return true;
   }
 
-  /// For the one thread that reads. False: it is empty.
+  /// For the one thread that reads. Returns false if the ring is empty.
   bool pop(T& value) {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     if (begin == end_.load(std::memory_order_acquire)) {
@@ -72,7 +72,7 @@ class Latest {
     back_ = between_.exchange(back_ | unread, std::memory_order_acq_rel) & ~unread;
   }
 
-  /// For the one thread that reads. False: nothing has come since the last time.
+  /// For the one thread that reads. Returns false if there is no new value.
   bool take(T& value) {
     if ((between_.load(std::memory_order_relaxed) & unread) == 0) {
       return false;

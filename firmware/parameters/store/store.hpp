@@ -77,7 +77,7 @@ enum class SaveProblem : std::uint8_t {
   erase,      ///< the storage failed to erase
   write,      ///< the storage failed to write
   sync,       ///< the storage failed to make the data durable
-  read_back,  ///< the storage failed when it was read back
+  read_back,  ///< the storage failed while the data were being read back
   differs,    ///< the data read back differ from those written
 };
 

@@ -17,7 +17,7 @@
 //      |                                   |                                          |
 //      | <---------------------------------+------------------------------------------+
 //      |    the resistance rises: judge() takes the time of cooling for a verdict
-//      |    the observer has the wire cold: nothing is told, but see end_cold()
+//      |    the observer has the wire cold: nothing is told, but see follow()
 //      |    no resistance can be read for 30 ms, or the loop stood still: nothing is told
 //      |    probing for 16 time constants without a rise: the verdict is weak
 //      |
@@ -62,20 +62,20 @@ struct CoolingGuard {
   CoolingShares<S> shares;   ///< since the wire became hot
   ResistanceWatch<S> watch;  ///< likewise
 
-  /// What the tests have told.
+  /// Results of the tests.
   struct Told {
     Verdict verdict;
     std::uint8_t share;   ///< index of the greatest share that is not above `cooling`
     S cooling;            ///< share of the file's, 0.3 to 1
     std::uint8_t least;   ///< index of the least share that is still possible, where none
     std::uint8_t doubts;  ///< tests in a row that told too little
-    S lease_s;            ///< how long `confirmed` counts where the wire is pressed
+    S lease_s;            ///< time for which `confirmed` is valid while the wire is pressed
     S since_s;            ///< time since the last test, up to 1000
   } told;
 
-  S probed_s;     ///< how long the probe has lasted
-  S blind_s;      ///< how long there has been no valid resistance
-  S unlimited_s;  ///< how long the temperature limit has not acted, up to 1000
+  S probed_s;     ///< time for which the probe has lasted
+  S blind_s;      ///< time for which no resistance has been valid
+  S unlimited_s;  ///< time for which the temperature limit has not acted, up to 1000
 
   /// Whether the power is to be cut.
   bool probing() const { return phase == Phase::probing; }
@@ -89,14 +89,14 @@ struct CoolingGuard {
     return weak() && phase != Phase::cold ? shares.temperature_K[told.share] : S(0);
   }
 
-  /// As if a test had just confirmed the file's cooling: for simulations in which that is known and
-  /// probes would only disturb.
+  /// Sets the state after a test that confirmed the file's cooling. For simulations in which this
+  /// cooling is known, and in which probes would only disturb.
   void confirm() {
     told.verdict = Verdict::confirmed;
     told.since_s = watch.held_K = S(0);
   }
-  /// The loop stood still: a cooling whose beginning was not seen tells nothing, and what was
-  /// confirmed may have changed.
+  /// To be called after the loop stood still: a cooling whose beginning was not observed has no
+  /// result, and a confirmed cooling may have changed meanwhile.
   void miss() {
     phase = Phase::cold;
     told.verdict = weak() ? told.verdict : Verdict::none;
@@ -107,7 +107,7 @@ struct CoolingGuard {
  private:
   using Shares = CoolingShares<S>;
 
-  /// Where A2R and A2M begin under the load.
+  /// Temperatures at which A2R and A2M begin under the load.
   struct Starts {
     S a2r_K, a2m_K;
   };
@@ -122,17 +122,18 @@ struct CoolingGuard {
   /// Time constants of the wire in still air. With 0.3 of the cooling they are five: a wire then is
   /// within 1 % of the air's temperature, whatever it had.
   static constexpr S max_probe = S(16);
-  /// Counts no further; all times that are compared are shorter.
+  /// Times are counted up to this one; all times that are compared are shorter.
   static constexpr S max_s = S(1000);
 
   // The judgement.
-  /// So far below the beginning of A2R or A2M the resistance has risen enough; within 7 K in
-  /// simulated wires.
+  /// Distance below the beginning of A2R or A2M at which the resistance has risen enough; in
+  /// simulated wires within 7 K.
   static constexpr S below_start_K = S(6);
-  /// Below it the temperatures of the shares lie so close that nothing is told, since the
-  /// transformation's is known within 7 K.
+  /// Least spread of the shares' temperatures for a result, because the temperature of the
+  /// transformation is known only within 7 K.
   static constexpr S told_apart_K = S(20);
-  /// A test is good where the temperatures lie so far apart, or where its result is so great.
+  /// A test is good if the spread of the temperatures, or the cooling that it finds, is above
+  /// these.
   static constexpr S good_K = S(50), good = S(0.9);
   /// A short test found up to 0.2 of the share too much. So a result that is not good needs more,
   /// and three of them in a row count as one that is good.
@@ -142,13 +143,13 @@ struct CoolingGuard {
   static constexpr S enough = S(0.7), enough_in_doubt = S(0.85), enough_again = S(0.9);
 
   // The temperatures that lead to a probe.
-  /// Above the limit: what the random scenarios count as too hot.
+  /// Excess over the limit that the random scenarios count as too hot.
   static constexpr S allowed_K = S(3);
-  /// Of limits.hot_spot_K: what a wire has that hangs free.
+  /// Share of limits.hot_spot_K that a freely hanging wire has.
   static constexpr S hot_spot = S(0.33);
-  /// Below the limit for a mean wire: there no time is to be lost.
+  /// Distance of the mean temperature from its limit within which a doubt starts a probe at once.
   static constexpr S close_K = S(20);
-  static constexpr S pressed_K = S(12);  ///< likewise, for a wire that is pressed
+  static constexpr S pressed_K = S(12);  ///< distance within which a wire can be pressed
   static constexpr S pressed_s = S(0.5), pressed_cold = S(0.05);
   static constexpr S first_lease_s = S(1), last_lease_s = S(20), again_s = S(5);
 
@@ -210,7 +211,8 @@ auto CoolingGuard<S>::starts(const MonitorInputs<S>& seen) -> Starts {
   return {start_K.second(), start_K.first()};
 }
 
-/// The wire has become hot, unless a test of it could tell nothing. Returns whether it has.
+/// Begins to observe a wire that has become hot, unless a test of it could have no result. Returns
+/// whether it has begun.
 template <class S>
 bool CoolingGuard<S>::begin(const MonitorInputs<S>& seen, const Starts& start) {
   if (start.a2r_K + a2m_before_a2r_K < start.a2m_K) {
@@ -224,7 +226,7 @@ bool CoolingGuard<S>::begin(const MonitorInputs<S>& seen, const Starts& start) {
   return true;
 }
 
-/// One step of a wire that is hot.
+/// Makes one step with a hot wire.
 template <class S>
 void CoolingGuard<S>::follow(const MonitorInputs<S>& seen, const Starts& start) {
   shares.integrate(seen);
@@ -243,14 +245,14 @@ void CoolingGuard<S>::follow(const MonitorInputs<S>& seen, const Starts& start) 
   const ThermalBody<S>& body = seen.prepared.observer.model.body;
   probed_s = probing() ? probed_s + seen.dt_s : S(0);
   if (max_probe * body.capacity_J_K < probed_s * body.loss_W_K) {
-    // Without power the wire stays hot, or the reading is not its resistance.
+    // The wire stays hot without power, or the reading is not its resistance.
     told.share = 0;
     told.cooling = Shares::shares[0];
     end(Verdict::weak);
     return;
   }
   if (is_cold < seen.estimate.martensite + seen.estimate.r_phase) {
-    // Where A2M comes first the resistance may tell nothing, but in time the wire has become cold.
+    // Where A2M comes first the resistance may not rise, but the wire has become cold in time.
     const bool in_time = probing() && start.a2r_K < start.a2m_K && !weak();
     end(in_time ? Verdict::confirmed : told.verdict);
     return;
@@ -266,7 +268,7 @@ void CoolingGuard<S>::follow(const MonitorInputs<S>& seen, const Starts& start) 
   }
 }
 
-/// A cooling has ended with this verdict.
+/// Ends the observation of a cooling with this verdict.
 template <class S>
 void CoolingGuard<S>::end(Verdict verdict) {
   phase = Phase::cold;
@@ -292,8 +294,9 @@ bool CoolingGuard<S>::wants_probe(const MonitorInputs<S>& seen) const {
   return too_hot(seen, shares.temperature_K[told.least]);
 }
 
-/// The resistance has risen: the wire has the temperature at which it transforms. Where the wire
-/// was hot for too short a time all shares are possible, and nothing is told.
+/// To be called when the resistance has risen, so that the wire has the temperature at which it
+/// transforms. If the wire was hot for too short a time, all shares are possible and there is no
+/// verdict.
 template <class S>
 void CoolingGuard<S>::judge(const MonitorInputs<S>& seen, const S& transforms_K) {
   phase = Phase::cold;
@@ -322,7 +325,8 @@ void CoolingGuard<S>::judge(const MonitorInputs<S>& seen, const S& transforms_K)
                 : Verdict::none);
 }
 
-/// The cooling has changed: all shares are possible, from what the wire was until now.
+/// To be called when the cooling has changed: all shares are possible, from the present
+/// temperature.
 template <class S>
 void CoolingGuard<S>::doubt(const MonitorInputs<S>& seen) {
   if (!confirmed() && !weak()) {
@@ -337,8 +341,8 @@ void CoolingGuard<S>::doubt(const MonitorInputs<S>& seen) {
   watch.forget();
 }
 
-/// The wire is held at another temperature than before. With less power under the same load it is
-/// colder, but has stayed austenite; or it is as hot as it was, and is cooled less.
+/// To be called when the wire is held at another temperature than before. With less power under the
+/// same load it is colder, but has stayed austenite; or it is as hot as it was, and is cooled less.
 template <class S>
 void CoolingGuard<S>::settle(const MonitorInputs<S>& seen) {
   const bool fallen = watch.settle(seen, whole_K());

@@ -1,6 +1,6 @@
 #pragma once
-// How hot the wire would be by the power that it was given, for each of some shares of the cooling
-// that its file says.
+// Temperatures that the wire would have by its heating power, one for each of six assumed shares of
+// the cooling that its file states.
 
 #include <array>
 #include <cstdint>
@@ -13,29 +13,29 @@ namespace smaservo {
 template <class S>
 struct CoolingShares {
   static constexpr std::size_t count = 6;
-  /// The time of cooling differs by a quarter to a third from one to the next.
+  /// The time that the wire takes to cool differs by a quarter to a third between neighbours.
   static constexpr std::array<S, count> shares{S(0.3), S(0.4), S(0.5), S(0.65), S(0.8), S(1)};
   static constexpr std::uint8_t whole = count - 1;
 
-  std::array<S, count> temperature_K;  ///< of the wire with each share
-  std::array<S, count> peak_K;         ///< highest since start()
+  std::array<S, count> temperature_K;  ///< temperature of the wire with each share
+  std::array<S, count> peak_K;         ///< highest temperature since start()
 
-  /// All shares are possible for a wire of this temperature.
+  /// Begins with this temperature of the wire for all shares.
   void start(const S& wire_K) {
     temperature_K.fill(wire_K);
     peak_K.fill(wire_K);
   }
-  /// Where it is small the wire was hot for too short a time to tell the shares apart.
+  /// If this is small, the wire was hot for too short a time to distinguish the shares.
   S spread_K() const { return temperature_K[0] - temperature_K[whole]; }
 
   /// Cost: six times eight operations, a division.
   void integrate(const MonitorInputs<S>& seen);
 
-  /// The cooling with which the wire would have a temperature now.
+  /// The cooling with which the wire would have a given temperature now.
   struct Match {
     std::uint8_t share;  ///< index of the next smaller share
     S cooling;           ///< 0.3 to 1
-    S peak_K;            ///< highest temperature with it
+    S peak_K;            ///< highest temperature with this cooling
   };
   /// Cost: a division. spread_K() must be above 0.
   Match match(const S& wire_K) const;

@@ -1,6 +1,6 @@
 #pragma once
-// Whether the resistance of a hot wire has moved by itself, though power and load have not. Then
-// the wire's cooling has changed. The resistance is taken as a share of austenite's under the load.
+// Detects that the resistance of a hot wire has moved although power and load have not: then the
+// wire's cooling has changed. The resistance is taken as a share of austenite's under the load.
 
 #include "firmware/safety/monitor/hot_resistance.hpp"
 
@@ -9,61 +9,66 @@ namespace smaservo {
 /// All zero: nothing has been read.
 template <class S>
 struct ResistanceWatch {
-  /// What one sample says.
+  /// The result of one sample.
   enum class Finding : std::uint8_t {
     none,
     moved,   ///< the resistance has moved by itself
-    settled  ///< the wire is held at a temperature that is new, by the file's cooling
+    settled  ///< the wire is held at a new temperature, as computed with the file's cooling
   };
 
   S share;     ///< of austenite's resistance, filtered; 0: none yet
-  S noise;     ///< mean distance of the readings from it
+  S noise;     ///< mean distance of the readings from `share`
   S min;       ///< lowest share since the wire became hot
-  S steady;    ///< share where the wire was last held; 0: nowhere yet
-  S steady_K;  ///< temperature there, by the file's cooling
+  S steady;    ///< share while the wire was last held; 0: none
+  S steady_K;  ///< temperature at `steady`, as computed with the file's cooling
   S steady_Pa;
   S held_K;     ///< highest steady_K under this load since the last test
-  S settled_s;  ///< how long the wire has been held where `steady` does not apply
-  S slow_K;     ///< temperature by the file's cooling, low-pass filtered
+  S settled_s;  ///< time for which the wire has been held in a state to which `steady` does not
+                ///< apply
+  S slow_K;     ///< temperature as computed with the file's cooling, low-pass filtered
   S lowest;     ///< lowest share since the last test, while not hotter than top_K; 0: none yet
   S top_K;
 
-  /// Begins anew with a wire that has become hot, of this temperature. top_K stays.
+  /// Begins anew with a wire that has become hot and has this temperature. top_K is kept.
   void start(const S& wire_K) {
     share = noise = min = steady = held_K = settled_s = lowest = S(0);
     slow_K = wire_K;
   }
-  /// What was held, and how low the resistance was, is compared with nothing from now on.
+  /// Drops the references, the held state and the lowest share: nothing is compared with them.
   void forget() { steady = lowest = S(0); }
 
   /// Filters the share, and keeps its lowest value. Cost: a division, besides the share's two.
   void take(const MonitorInputs<S>& seen);
   /// Whether the resistance is so far above its lowest value that martensite or R-phase has formed.
   bool risen() const { return min + rise * min + noises * noise < share; }
-  /// `wire_K`: by the file's cooling; `since_s`: time since the last test.
+  /// `wire_K`: temperature as computed with the file's cooling; `since_s`: time since the last
+  /// test.
   Finding look(const MonitorInputs<S>& seen, const S& wire_K, const S& since_s);
-  /// Takes what is held now as the reference. Returns whether it is colder by far than what was
-  /// held under the same load: the power has fallen.
+  /// Takes the present state as the reference. Returns whether it is far colder than the state held
+  /// before under the same load, which means that the power has fallen.
   bool settle(const MonitorInputs<S>& seen, const S& wire_K);
 
  private:
-  /// Austenite alone would have to become 75 K warmer for it (2e-4 per kelvin, the wires' files).
+  /// Rise that shows a transformation: austenite alone would have to become 75 K warmer for it, by
+  /// the 2e-4 per kelvin of the wires' files.
   static constexpr S rise = S(0.015);
-  /// Ten samples of 1 ms; 40 at the minimum current, where readings are noisier.
+  /// Time constant: ten samples of 1 ms, or 40 at the minimum current, where readings are noisier.
   static constexpr S filter_s = S(0.01), imprecise = S(4);
   static constexpr S noise_1_s = S(5), noises = S(2);
   /// A wire is held where it stays within 1.5 K of its mean over 0.1 s, for 0.3 s. Loads within 5 %
   /// and temperatures within 4 K are compared, and 2 K from the mean are allowed there.
   static constexpr S slow_1_s = S(10), held_within_K = S(1.5), settles_s = S(0.3);
   static constexpr S same_load = S(0.05), same_K = S(4), moves_K = S(2);
-  /// The least share that counts as moved: 5 K of austenite. For each kelvin from the reference it
-  /// is more by martensite's slope, the greatest of the phases; for each percent of load by 0.02 %;
-  /// and fourfold 1 s after a test, since the last martensite goes slowly.
+  /// Least change of the share that counts as a motion: that of 5 K of austenite. It is increased
+  /// for each kelvin from the reference by martensite's slope, the greatest of the phases, and for
+  /// each percent of load by 0.02 %. 1 s after a test it is fourfold, because the last martensite
+  /// disappears slowly.
   static constexpr S moved = S(1e-3), moved_1_K = S(3e-4), moved_by_load = S(0.02);
   static constexpr S goes_s = S(3), goes_from_s = S(0.1);
-  /// So long after a test the lowest share is only looked for.
+  /// For this time after a test the lowest share is recorded, but not yet compared.
   static constexpr S lowest_after_s = S(2);
-  /// Where half the cooling of a strain held at 110 °C is lost, the wire seems 42 K colder.
+  /// Fall that counts as far: if a strain held at 110 °C loses half its cooling, the wire seems
+  /// 42 K colder.
   static constexpr S fallen_K = S(20);
 
   bool loaded_as_before(const MonitorInputs<S>& seen) const {
@@ -92,7 +97,7 @@ auto ResistanceWatch<S>::look(const MonitorInputs<S>& seen, const S& wire_K, con
   const S off_K = magnitude(wire_K - steady_K);
   const S off_slow_K = magnitude(wire_K - slow_K);
   const bool loaded = loaded_as_before(seen);
-  // No lower than when it was as hot, whatever it has done since.
+  // The share must not be lower than it was when the wire was as hot.
   const bool early = since_s < lowest_after_s;
   if (early || !(S(0) < lowest) || top_K < wire_K || !loaded) {
     top_K = early || !(wire_K < top_K) ? wire_K : top_K;

@@ -14,12 +14,12 @@ struct DriveMonitor {
            magnitude(seen.in.sample.voltage_V);
   }
 
-  /// The conditions that are there now. Cost: about 60 operations, no division.
+  /// Returns the faults whose conditions are present now. Cost: about 60 operations, no division.
   static FaultSet detect(const MonitorInputs<S>& seen, const ZeroCurrent<S>& zero);
 
  private:
-  static constexpr S full = S(0.998);  ///< share of a scale that counts as its end: a converter's
-                                       ///< last code is below the full scale
+  static constexpr S full = S(0.998);  ///< share of a scale that counts as its end, because a
+                                       ///< converter's last code is below the full scale
   static constexpr S warm_K = S(10);
 
   static void supply(const MonitorInputs<S>& seen, FaultSet& now);
@@ -40,7 +40,7 @@ FaultSet DriveMonitor<S>::detect(const MonitorInputs<S>& seen, const ZeroCurrent
   return now;
 }
 
-/// What is not measured is NaN, and no comparison with it is true.
+/// A reading without a sensor is NaN, and every comparison with it is false.
 template <class S>
 void DriveMonitor<S>::supply(const MonitorInputs<S>& seen, FaultSet& now) {
   const Settings<S>& q = seen.prepared.settings;

@@ -1,5 +1,5 @@
 #pragma once
-// Detects that the estimate, or the loop closed over it, is not to be trusted.
+// Detects that the estimate, or the loop that uses it, is not to be trusted.
 
 #include "firmware/safety/monitor/inputs.hpp"
 #include "model/scalar/scalar.hpp"

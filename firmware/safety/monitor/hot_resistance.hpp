@@ -1,6 +1,6 @@
 #pragma once
-// Temperature of austenite by the rise of its resistance: a second opinion for the case that air
-// and cooling are not what the observer believes, which the power cannot show.
+// Temperature of austenite by the rise of its resistance: a second opinion for the case that the
+// observer is wrong about the air's temperature or the cooling. The power cannot show this error.
 //
 // While the wire is austenite, except for the ends that the clamps keep cold, only heat raises its
 // resistance; the last martensite lowers it by disappearing. So since the lowest resistance R the
@@ -15,10 +15,10 @@ namespace smaservo {
 template <class S>
 struct HotResistance {
   S share;          ///< resistance as a share of austenite's under this load, filtered; 0: none yet
-  S min;            ///< lowest share
-  S min_at_K;       ///< temperature there by the observer's estimate
+  S min;            ///< lowest share so far
+  S min_at_K;       ///< estimated temperature at `min`
   S temperature_K;  ///< 0: not known
-  bool heated;      ///< by enough power to keep it hot
+  bool heated;      ///< the power would keep the wire hot with half its cooling
 
   /// A greater rise is not due to heat: martensite has formed and the observer has not noticed.
   static constexpr S max_rise_K = S(80);

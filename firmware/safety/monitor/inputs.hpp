@@ -1,5 +1,5 @@
 #pragma once
-// What the monitors, the supervisor and the check while arming look at in one step.
+// Inputs of the monitors, the supervisor and the check while arming, for one step.
 
 #include "firmware/command.hpp"
 #include "firmware/prepared.hpp"
@@ -15,17 +15,17 @@ struct MonitorInputs {
   const Measurement<S>& measurement;
   const Estimate<S>& estimate;
   const typename KalmanObserver<S>::State& filter;  ///< state of the most likely filter
-  const Output<S>& last;  ///< of the step before, to which the sample is the response
-  S given_before_A;  ///< given one step earlier than last.drive_current_A; a drive may be one step
-                     ///< late
-  S current_A, voltage_V;  ///< less their offsets
-  S duty;                  ///< as the controller counts it
-  S off_s;                 ///< no current has been given for so long
+  const Output<S>& last;  ///< output of the step before, to which this sample is the response
+  S given_before_A;  ///< current given one step earlier than last.drive_current_A; a drive may be
+                     ///< one step late
+  S current_A, voltage_V;  ///< readings less their offsets
+  S duty;                  ///< duty as the controller counts it
+  S off_s;                 ///< time for which no current has been given
   S since_sample_s, since_command_s;
   S dt_s;
-  bool observing;  ///< estimate and filter mean something
+  bool observing;  ///< the observer has started, so estimate and filter are valid
   bool zeroed;     ///< the zero-current offset is known
-  bool stalled;    ///< the loop stood still since the step before, see StalledTime
+  bool stalled;    ///< the loop stood still after the step before, see StalledTime
 
   bool off() const { return last.drive_current_A == S(0) && given_before_A == S(0); }
   bool heated() const { return is_heated(last.state); }

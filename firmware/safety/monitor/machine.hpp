@@ -12,7 +12,7 @@ struct MachineMonitor {
   struct State {
     S misses;  ///< number of missed deadlines; decays within a second
     bool sampled;
-    std::uint32_t sequence;  ///< of the last fresh sample
+    std::uint32_t sequence;  ///< sequence number of the last fresh sample
     Sample<S> sample;
     S frozen_at_A;         ///< current that was given when the readings last changed
     bool control_invalid;  ///< the controller gave no usable current in the last step
@@ -54,8 +54,8 @@ FaultSet MachineMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
   return now;
 }
 
-/// Equal readings alone are no fault: a quiet front end repeats them. They must change when the
-/// current does.
+/// Whether the readings are frozen. Equal readings alone are no fault, because a quiet front end
+/// repeats them. They must change when the current does.
 template <class S>
 bool MachineMonitor<S>::frozen(const MonitorInputs<S>& seen, State& s) {
   const Inputs<S>& in = seen.in;

@@ -1,6 +1,6 @@
 #pragma once
-// Temperature of the wire by the heat that it was given, whatever its resistance says: a second
-// opinion for the case that the observer is deceived by its sensor.
+// Temperature of the wire by the heat that it was given, without its resistance: a second opinion
+// for the case that a wrong reading deceives the observer.
 
 #include "firmware/safety/monitor/inputs.hpp"
 
@@ -10,19 +10,19 @@ namespace smaservo {
 template <class S>
 struct OpenHeat {
   S heat_J;         ///< heat content; 0 is martensite at the air's temperature
-  S temperature_K;  ///< at this heat content, on the heating branch
-  S finish_K;       ///< of the transformation into austenite, under the present stress
+  S temperature_K;  ///< temperature at this heat content, on the heating branch
+  S finish_K;       ///< end of the transformation into austenite, under the present stress
   S net_W;          ///< net heat flow into the wire in the last step
   S observed_J;     ///< heat content by the observer's estimate, from the same zero
 
-  /// Rates at which heat_J is drawn to observed_J, since errors of the open-loop heat, above all in
-  /// inner loops, must not add up. A deceived observer takes the wire for colder than it is, so
-  /// heat_J is drawn down more slowly than up.
+  /// Rates at which heat_J approaches observed_J, so that errors of the open-loop heat, above all
+  /// in inner loops, do not add up. A deceived observer takes the wire for colder than it is, so
+  /// heat_J falls towards it more slowly than it rises.
   static constexpr S warms_1_s = S(0.5);
   static constexpr S cools_1_s = S(0.1);
-  /// A deceived observer may also find a draught or cold air that keeps the wire cold. It is
-  /// believed up to this cooling, relative to the wire file's, and this much colder air than at the
-  /// start.
+  /// A deceived observer may also estimate a draught or cold air that would keep the wire cold. So
+  /// its estimate counts only up to this cooling, relative to the wire file's, and down to air that
+  /// is this much colder than at the start.
   static constexpr S max_loss = S(1);
   static constexpr S colder_K = S(2);
 
@@ -48,7 +48,7 @@ struct OpenHeat {
                     : finish_J < heat_J ? finish_K + (heat_J - finish_J) / C
                                         : start_K + (heat_J - start_J) * (finish_K - start_K) /
                                                         (finish_J - start_J);
-    // Without a measurement the given current counts: the most that can have flowed.
+    // Without a measurement the given current is taken, the most that can have flowed.
     const S given_A = seen.last.drive_current_A;
     const S power_W = seen.in.fresh && seen.measurement.power_valid
                           ? seen.measurement.power_W

@@ -1,6 +1,6 @@
 #pragma once
-// What is assumed of a time in which the loop stood still: nobody has seen what the output did, so
-// the worst counts. The last command persisted all the time.
+// Assumptions on a stall: a time in which the loop stood still. Nothing has observed the output, so
+// the worst case is assumed, that the last command persisted all the time.
 
 #include <cmath>
 
@@ -9,22 +9,22 @@
 
 namespace smaservo {
 
-/// The time of a stall as steps of the model. Beyond twenty of the wire's time constants or so it
-/// has the temperature that its power keeps, and the rest does not count.
+/// The time of a stall, divided into steps of the model. After about twenty of its time constants
+/// the wire has the temperature that its power keeps, so the time after that is ignored.
 template <class S>
 struct StalledTime {
-  S all_s;   ///< that count
-  S part_s;  ///< of a step of the observer, up to a third of a time constant
-  int parts;
+  S all_s;    ///< length of the stall that counts
+  S part_s;   ///< length of one step of the observer, at most a third of a time constant
+  int parts;  ///< number of these steps
 
-  /// Bounds the cost on a microcontroller: so many steps of a filter.
+  /// Most steps of the filter for one stall; bounds the cost on a microcontroller.
   static constexpr int max_parts = 64;
   static constexpr S shortest_part_s = S(5e-3);
 
   [[gnu::noinline]] StalledTime(const Prepared<S>& p, const S& dt_s) {
     using std::ceil;
     const ThermalBody<S>& body = p.observer.model.body;
-    // As MonitorInputs::cold(): time constants, and time for the latent heat.
+    // The same time as in MonitorInputs::cold(): time constants, and time for the latent heat.
     const S longest_s = (S(10) * body.capacity_J_K + S(0.2) * body.latent_m2a_J) / body.loss_W_K;
     all_s = dt_s < longest_s ? dt_s : longest_s;
     const S wanted = ceil(all_s / shortest_part_s - S(0.5));
@@ -33,7 +33,7 @@ struct StalledTime {
   }
 };
 
-/// The most power that such a command can have put into the wire.
+/// The greatest power that a command of this current and voltage can have put into the wire.
 template <class S>
 S persisting_power_W(const Prepared<S>& p, const S& current_A, const S& voltage_V) {
   const S by_current_W = current_A * current_A * p.cold_ohm;

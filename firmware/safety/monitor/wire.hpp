@@ -72,7 +72,7 @@ FaultSet WireMonitor<S>::detect(const MonitorInputs<S>& seen, State& s) {
 template <class S>
 void WireMonitor<S>::circuit(const MonitorInputs<S>& seen, FaultSet& now) {
   const MeasurementParams<S>& band = seen.prepared.measurement;
-  const S R = seen.measurement.resistance_ohm;  // 0 without enough current
+  const S R = seen.measurement.resistance_ohm;  // 0 if the current is too small
   const S low_A = seen.min_given_A();
   const bool measurable =
       band.min_current_A <= magnitude(seen.current_A) && seen.measurement.power_valid;
@@ -118,8 +118,8 @@ void WireMonitor<S>::temperature(const MonitorInputs<S>& seen, State& s, FaultSe
   s.was_sure = sure;
 }
 
-/// Whether the resistance has changed faster than a transformation can change it: under a steady
-/// load that needs the latent heat first.
+/// Whether the resistance has changed faster than a transformation can change it, which under a
+/// steady load needs the latent heat first.
 template <class S>
 bool WireMonitor<S>::jumped(const MonitorInputs<S>& seen, State& s) {
   const S R = seen.measurement.resistance_ohm;

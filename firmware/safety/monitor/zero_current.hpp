@@ -1,7 +1,7 @@
 #pragma once
-// What the sensors read while no current is given: measured at start and kept up to date whenever
-// the device is off, since such offsets wander with temperature. Without this a sense current of a
-// few percent of the greatest current could not be measured.
+// Readings of the sensors while no current is given. They are measured at start and updated
+// whenever the device is off, because these offsets vary with temperature. Without this correction
+// a sense current of a few percent of the greatest current could not be measured.
 
 #include "firmware/safety/monitor/inputs.hpp"
 #include "model/scalar/scalar.hpp"
@@ -15,9 +15,10 @@ struct ZeroCurrent {
   S samples;
 
   static constexpr S min_samples = S(20);
-  /// Up to this number the plain mean of all samples, then one that forgets exponentially.
+  /// Up to this number of samples the mean is that of all samples; then old ones are forgotten
+  /// exponentially.
   static constexpr S max_samples = S(1000);
-  /// So long after switching off the readings have settled.
+  /// Time after switching off until the readings have settled.
   static constexpr S settling_s = S(0.02);
 
   bool known() const { return !(samples < min_samples); }

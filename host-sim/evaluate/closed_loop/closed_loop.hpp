@@ -1,7 +1,7 @@
 #pragma once
-// The table by which control is judged. The firmware runs on simulated units that differ from its
-// model, with wires calibrated by `identify`, and is compared with an ideal sensor and two simpler
-// loops.
+// The table by which control is judged. A unit is a simulated piece of wire that differs from the
+// firmware's model. The firmware controls each unit with the wire file that `identify` has made for
+// it, and is compared with an ideal sensor and two simpler loops.
 
 #include <cstdint>
 #include <functional>
@@ -66,7 +66,8 @@ struct ClosedLoopEvaluation {
   std::vector<HottestRun> hottest;  ///< results of the random scenarios
 };
 
-/// Throws UserError. Takes about 3 s per run, plus the calibration of the units.
+/// Throws UserError. Takes about 3 s for each run, and more for each unit that has no wire file in
+/// the folder `wires`: `identify` makes it first.
 ClosedLoopEvaluation evaluate_closed_loop(const ClosedLoopOptions& options);
 
 std::string closed_loop_markdown(const ClosedLoopEvaluation& evaluation);

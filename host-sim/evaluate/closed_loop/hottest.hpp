@@ -34,13 +34,13 @@ struct HottestRun {
   bool unanswered;       ///< no fault within hottest_answered_s after an excess
 
   bool violates() const { return above_limit_K > hottest_allowed_K; }
-  /// Nothing happened to the wire, and nothing was demanded beyond its limits.
+  /// Whether nothing happened to the wire and nothing was demanded beyond its limits.
   bool harmless() const {
     return !beyond && trouble == RandomTrouble::none &&
            (air == RandomAir::still || air == RandomAir::draught);
   }
-  /// A harmless scenario has tripped. A following error is no false alarm: the current limit or a
-  /// draught may make a set-point unreachable.
+  /// Whether a harmless scenario has tripped. A following error is no false alarm: the current
+  /// limit or a draught may make a set-point unreachable.
   bool false_alarm() const {
     return harmless() && first_cause != Fault::none && first_cause != Fault::following_error;
   }

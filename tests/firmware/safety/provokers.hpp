@@ -1,5 +1,5 @@
 #pragma once
-// For each fault a way to provoke it on a simulated wire.
+// A way to provoke each fault on a simulated wire.
 
 #include <vector>
 
@@ -13,7 +13,7 @@ struct Provoker {
   std::function<void(Settings<double>&)> change = [](Settings<double>&) {};
   /// Time until the condition of the fault is present: heating, a filter, a counter.
   double within_s = 0;
-  /// Time without current before arming; only if the fault comes before arming.
+  /// Time without current before arming, for faults that come before arming.
   double before_s = 0;
 };
 
@@ -35,7 +35,7 @@ inline double while_given(double given_A, double flowing_A) {
   return given_A > 0 ? flowing_A : 0;
 }
 
-/// Commands this power, which the device gives up to its limits, whatever the wire does.
+/// Commands this power. The device gives it, up to its limits, whatever the state of the wire.
 inline void give_power(Rig& rig, double power_W) {
   rig.command.mode = Mode::power;
   rig.command.setpoint = power_W;
@@ -45,12 +45,12 @@ inline void give_current(Rig& rig, double current_A) {
   rig.command.setpoint = current_A;
 }
 inline constexpr double all_W = 10;
-/// A factor on the heat loss that makes the limit of the power which a wire can take for long so
-/// high that it never acts. Where the least strain is out of reach, too, only the wire's
-/// temperature limits the heat.
+/// Value of limits.loss_margin that raises the limit of the sustained power so far that it never
+/// acts. If limits.min_strain is also set to a strain that the wire cannot reach, only the
+/// temperature limit bounds the heat.
 inline constexpr double heats_for_long = 20;
 
-/// A drive's fault begins when the current of the first step flows.
+/// Delay of a drive's fault, which begins when the current of the first step flows.
 inline constexpr double late_s = 0.001;
 
 inline std::vector<Provoker> drive_provokers() {
@@ -137,7 +137,7 @@ inline std::vector<Provoker> heat_provokers() {
   return {
       {Fault::over_temperature, contract, [](Settings<double>& s) { s.trips.temperature_K = 385; },
        0.1},
-      // The observer's temperature is lower than the one by heat.
+      // The observer's temperature is lower than that of the heat balance.
       {Fault::heat_limit,
        [](Rig& rig) {
          rig.tamper_estimate = [](Estimate<double>& e) { e.temperature_K -= 25; };
@@ -183,7 +183,8 @@ inline std::vector<Provoker> heat_provokers() {
   };
 }
 
-/// The wire slips so many times: its stress falls by a third, more of it lies between the leads.
+/// Lets the wire slip this number of times: its stress falls by a third, and a longer part of it
+/// lies between the leads.
 inline void slip(Rig& rig, int times) {
   const int start = rig.steps;
   const double held_Pa = rig.stress_Pa;
@@ -278,7 +279,7 @@ inline std::vector<Provoker> machine_provokers() {
       {Fault::deadline_missed, reading([](Readings& in) { in.deadline_missed = true; }), {}, 0.01},
       {Fault::command_timeout, [](Rig& rig) { rig.command.fresh = false; }},
       {Fault::emergency_stop, reading([](Readings& in) { in.emergency_stop = true; })},
-      // Pulses that are too short for current_while_off.
+      // The current flows in pulses that are too short for current_while_off.
       {Fault::cooling_timeout,
        [](Rig& rig) {
          rig.tamper_drive = [&rig](double A) { return rig.steps % 20 == 0 ? 0.25 : A; };
@@ -305,7 +306,7 @@ inline std::vector<Provoker> provokers() {
   return all;
 }
 
-/// Whether the fault is looked for while no current is given.
+/// Whether the device detects the fault while no current is given.
 inline bool comes_while_off(Fault fault) {
   return fault_row(fault).severity == FaultClass::B || fault == Fault::current_while_off ||
          fault == Fault::cooling_timeout;

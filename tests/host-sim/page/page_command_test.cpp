@@ -9,7 +9,8 @@ namespace {
 using testing::HasSubstr;
 using Texts = Program::Texts;
 
-// What a source of servos is not asked for.
+// Each of these command lines ends the program with a message that names the mistake. No file is
+// written.
 TEST(PageCommand, MistakesEndItWithAMessage) {
   const struct {
     Texts options;

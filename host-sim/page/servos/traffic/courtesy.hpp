@@ -1,8 +1,8 @@
 #pragma once
-// A servo has one SDO transfer at a time. After a request or an answer of another master's it is
-// left alone for 30 ms, or that one's transfer would be dropped. A master that never pauses does
-// not keep the bridge from knowing the servo: after 5 s without an answer the bridge asks
-// nevertheless.
+// Decides when the bridge may send SDO requests to a servo that another master uses. A servo has
+// one SDO transfer at a time. After a request or answer of another master, the servo is left alone
+// for 30 ms, because a request of ours would drop that master's transfer. If that master never
+// pauses, the bridge sends its request after 5 s without an answer nevertheless.
 
 #include <cstdint>
 
@@ -11,13 +11,13 @@ namespace smaservo::page {
 class Courtesy {
  public:
   void foreign_request(std::int64_t now_us) { until_us_ = now_us + pause_us; }
-  /// An answer that is not the bridge's.
+  /// Notes an answer to another master's request.
   void foreign_answer(std::int64_t now_us) {
     if (now_us < until_us_) {
       until_us_ = now_us + pause_us;
     }
   }
-  /// An answer to the bridge.
+  /// Notes an answer to a request of the bridge.
   void answered(std::int64_t now_us) { answered_us_ = now_us; }
 
   bool forbids(std::int64_t now_us) const {

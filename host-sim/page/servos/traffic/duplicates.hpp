@@ -1,5 +1,5 @@
 #pragma once
-// Whether two devices have one node-id: both answer a request then. An answer that comes within
+// Detects two devices with one node-id, which both answer a request. An answer that comes within
 // 50 ms of another one to the same request is surplus. Three of them, none more than 5 s after the
 // one before, prove that there are two devices.
 
@@ -9,16 +9,16 @@ namespace smaservo::page {
 
 class Duplicates {
  public:
-  /// The answer for which the bridge has waited.
+  /// Notes the answer for which the bridge has waited.
   void answered(Key key, std::int64_t now_us) {
     answered_ = key;
     answered_us_ = now_us;
   }
 
-  /// Another master has sent a request: an answer that follows is to that one.
+  /// Notes a request of another master; the next answer may belong to it.
   void foreign_request(std::int64_t now_us) { foreign_us_ = now_us; }
 
-  /// An answer for which the bridge has not waited. Returns whether two devices are proved.
+  /// Notes an answer for which the bridge has not waited. Returns whether two devices are proved.
   bool answered_again(Key key, std::int64_t now_us) {
     if (key != answered_ || now_us - answered_us_ > second_answer_us ||
         now_us - foreign_us_ < 2 * second_answer_us) {

@@ -7,7 +7,7 @@
 namespace smaservo::page {
 namespace {
 
-/// What a page shows first.
+/// All signals, beginning with those that a page shows first.
 constexpr std::array<std::size_t, signal_count> by_importance = [] {
   std::array<std::size_t, signal_count> order{
       signal_index("strain"),          signal_index("position_m"),
@@ -27,12 +27,13 @@ constexpr std::array<std::size_t, signal_count> by_importance = [] {
   return order;
 }();
 
-/// A little more than the promised rate.
+/// Rate of the rounds for which the bus must have room: a little more than the promised rate.
 constexpr double rounds_per_s = 55;
 constexpr double min_in_each = 4;
-/// Between the beginnings of two rounds: 80 Hz.
+/// Period of the rounds of live values: 80 Hz.
 constexpr std::int64_t period_us = 12'500;
-/// The rate that is promised. What takes longer counts as missing samples.
+/// Promised period of the samples. A time between two samples of twice that or more counts as
+/// missing samples.
 constexpr std::int64_t promised_us = 20'000;
 
 }  // namespace

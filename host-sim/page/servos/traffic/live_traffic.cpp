@@ -41,7 +41,7 @@ bool LiveTraffic::waits_for(unsigned node, std::int64_t now_us) {
   return links_[node].waits;
 }
 
-// What is heard.
+// Received frames.
 
 void LiveTraffic::heard(const hal::CanFrame& frame, std::int64_t now_us) {
   if (frame.extended || frame.remote) {
@@ -81,7 +81,7 @@ void LiveTraffic::heard(const hal::CanFrame& frame, std::int64_t now_us) {
   } else if (function == 1) {
     refresh(node);
   } else if (function == 3 && frame.length == 5) {
-    // TPDO1 as it is by default: statusword, mode, error code.
+    // TPDO1 in its default mapping: statusword, mode, error code.
     const Servo* const servo = servo_of(node);
     if (servo != nullptr &&
         servo->statusword() != canopen::take_number(std::span(frame.data).first(2))) {
@@ -125,7 +125,7 @@ void LiveTraffic::answered(unsigned node, const hal::CanFrame& frame, std::int64
 void LiveTraffic::take_state(Servo& servo, Link& link, std::uint32_t value, std::int64_t now_us) {
   servo.values[link.key] = value;
   const bool is_status = link.key == Key{index::statusword, 0};
-  // A statusword of before the axis was enabled says nothing.
+  // A statusword that was requested before the axis was enabled is ignored.
   if (is_status && servo.enabled_us != 0 && servo.enabled_us < link.sent_us &&
       !servo.may_be_heated()) {
     servo.enabled_us = 0;
@@ -157,7 +157,7 @@ void LiveTraffic::sample(Servo& servo, Link& link, const Sample& sample, std::in
   events_.sampled(servo, sample);
 }
 
-/// A client's write that commands, which is what a renewal repeats.
+/// Notes a command that a client writes; renew() repeats the last one.
 void LiveTraffic::said(const hal::CanFrame& frame, std::int64_t now_us) {
   Servo* const servo = frame.id > request_id ? servo_of(frame.id - request_id) : nullptr;
   if (servo != nullptr) {
@@ -165,9 +165,9 @@ void LiveTraffic::said(const hal::CanFrame& frame, std::int64_t now_us) {
   }
 }
 
-// What is sent.
+// Sent frames.
 
-/// Reads an object, or writes one of two bytes.
+/// Requests an object, or writes this value of two bytes to it.
 void LiveTraffic::ask(unsigned node, Key key, Reason reason, std::int64_t now_us,
                       std::optional<std::uint16_t> value) {
   Link& link = links_[node];
@@ -252,7 +252,7 @@ void LiveTraffic::poll(unsigned node, std::int64_t now_us) {
     }
     return;
   }
-  // The state goes before, or a full round of live values would keep it away for ever.
+  // The state has priority, or full rounds of live values would never let it be read.
   if (const std::optional<Key> key = link.state.next(anything_, now_us)) {
     ask(node, *key, Reason::state, now_us);
   } else {

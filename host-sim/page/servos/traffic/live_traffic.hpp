@@ -1,7 +1,7 @@
 #pragma once
-// What the bridge says on the bus by itself: reads live values and states of all servos in turn,
-// looks for new ones, renews what keeps an axis enabled, sends SYNC. All of it one frame at a time:
-// nothing here waits for an answer.
+// The frames that the bridge sends without a client's request. It reads live values and states of
+// all servos in turn, looks for new servos, repeats the command that keeps an axis enabled, and
+// sends SYNC. It sends single frames and never waits for an answer.
 
 #include <functional>
 #include <map>
@@ -23,7 +23,7 @@ struct TrafficPlan {
   double requests_per_s = 800;
 };
 
-/// What the rest of the bridge learns.
+/// Events that the rest of the bridge receives.
 class TrafficEvents {
  public:
   virtual ~TrafficEvents() = default;
@@ -31,8 +31,8 @@ class TrafficEvents {
   /// A round of the state has been read, or something in it has changed.
   virtual void state_read(Servo& servo) = 0;
   virtual void came(unsigned node) = 0;      ///< a servo has begun to answer
-  virtual void left(Servo& servo) = 0;       ///< it does not answer any more
-  virtual void restarted(Servo& servo) = 0;  ///< it has said that it has started anew
+  virtual void left(Servo& servo) = 0;       ///< the servo does not answer any more
+  virtual void restarted(Servo& servo) = 0;  ///< the servo has reported a restart
   virtual void doubled(Servo& servo) = 0;    ///< two devices answer under its node-id
   virtual void trouble(const std::string& text) = 0;
   virtual void ticked(std::int64_t now_us) = 0;
@@ -48,19 +48,19 @@ class LiveTraffic final : public Traffic {
   void said(const hal::CanFrame& frame, std::int64_t now_us) override;
   bool waits_for(unsigned node, std::int64_t now_us) override;
 
-  /// Whose transfers are left alone.
+  /// Sets the nodes with which a client's transfer is in progress; nothing is requested from them.
   void set_busy(const NodeSet* busy) { busy_ = busy; }
   std::map<unsigned, Servo>& servos() { return servos_; }
-  /// Whether anybody looks at the live values, or at anything at all.
+  /// `live`: nodes whose live values a client wants; `anything`: a client wants something at all.
   void want(const NodeSet& live, bool anything);
-  /// The state of a servo is to be read at once.
+  /// Reads the state of a servo at once.
   void refresh(unsigned node);
-  /// A node that somebody has found.
+  /// Asks this node whether it is a servo.
   void probe(unsigned node) { search_.propose(node); }
 
  private:
   enum class Reason : std::uint8_t { state, live, renewal, probe };
-  /// One request at most is on its way to a node.
+  /// The traffic with one node, in which at most one request waits for its answer.
   struct Link {
     bool waits = false;
     Reason reason = Reason::probe;

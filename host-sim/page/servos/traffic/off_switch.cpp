@@ -16,10 +16,10 @@ void OffSwitch::off(const NodeSet& nodes) {
     try {
       off(node);
     } catch (const files::UserError&) {
-      return;  // the check that follows says that the bus does not work
+      return;  // the check that follows reports that the bus does not work
     }
   }
-  // What has come in meanwhile is for others.
+  // Frames that this port has received meanwhile are dropped: the other port receives them, too.
   hal::CanFrame frame;
   for (int i = 0; i < 1000 && bus_->receive(frame, 0); ++i) {
   }

@@ -1,6 +1,6 @@
 #pragma once
-// Switches axes off from any thread at once, by a bus port of its own: whatever the bus's thread is
-// doing, the frames go out before this returns.
+// Switches axes off at once, from any thread. It has a bus port of its own, so that it sends its
+// frames before it returns, whatever the bus's thread is doing.
 
 #include <array>
 #include <atomic>
@@ -16,10 +16,10 @@ class OffSwitch {
  public:
   explicit OffSwitch(std::unique_ptr<can::Bus> bus) : bus_(std::move(bus)) {}
 
-  /// Controlword 0 to each of these nodes, by RPDO1 where that carries it, and by SDO, which ends
-  /// any transfer. A bus that takes no frames is told elsewhere.
+  /// Sends controlword 0 to each of these nodes, by RPDO1 if that carries it, and by SDO, which
+  /// ends any transfer. A bus that accepts no frames is reported elsewhere.
   void off(const NodeSet& nodes);
-  /// RPDO1 of this node carries controlword and mode, and the mode is this one.
+  /// Notes that RPDO1 of this node carries controlword and mode, and that the mode is this one.
   void knows_pdo(unsigned node, int mode) { mode_[node] = mode; }
   void knows_no_pdo(unsigned node) { mode_[node] = none; }
 

@@ -1,7 +1,7 @@
 #pragma once
-// Which node-ids are asked whether a servo answers there: those that somebody has named or that
-// have said something, and one after the other, so that a servo is found that says nothing by
-// itself.
+// Chooses the node-ids to ask for a servo: those that were proposed, because a client has named
+// them or they have sent something, and all others in turn, to find servos that send nothing by
+// themselves.
 
 #include <array>
 
@@ -27,8 +27,8 @@ class Search {
     at_ = at_ % 127 + 1;
   }
 
-  /// Whether this node, which is not online, is to be asked now; it is then asked again after a
-  /// pause. One that is known is asked without being proposed.
+  /// Whether to ask this node now, which is not online; it is asked again only after a pause. A
+  /// known servo is asked without being proposed.
   bool takes(unsigned node, bool is_known, std::int64_t now_us) {
     if (now_us < next_try_us_[node] || (!is_known && !proposed_[node])) {
       return false;

@@ -29,8 +29,8 @@ bool SharedBus::receive(hal::CanFrame& frame, std::int64_t until_us) {
   }
 }
 
-/// A node's SDO server has one transfer at a time: a new request drops the answer to the one
-/// before.
+/// Waits for the answer to a request of the traffic before a client's transfer begins. A node's SDO
+/// server has one transfer at a time: a new request drops the answer to the one before.
 void SharedBus::transfer(unsigned node, bool goes_on) {
   if (goes_on) {
     hal::CanFrame frame;

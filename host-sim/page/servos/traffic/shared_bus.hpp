@@ -1,6 +1,7 @@
 #pragma once
-// One bus for what a client asks and for what goes on meanwhile: live values, SYNC, renewals. A
-// long transfer of an SdoClient loses nothing of the latter, since each frame passes here first.
+// One bus for the transfers of clients and for the traffic that continues meanwhile: live values,
+// SYNC, renewals. Each received frame passes here first, so that the traffic loses none during a
+// long transfer of an SdoClient.
 
 #include <array>
 #include <atomic>
@@ -11,20 +12,20 @@
 
 namespace smaservo::page {
 
-/// Thrown out of whatever uses the bus when it must end at once.
+/// Thrown by functions that use the bus when they must end at once.
 class Interrupted : public std::exception {
  public:
   const char* what() const noexcept override { return "ended, since the servo is switched off"; }
 };
 
-/// What goes on beside the requests of clients.
+/// The traffic beside the requests of clients.
 class Traffic {
  public:
   virtual ~Traffic() = default;
   virtual void heard(const hal::CanFrame& frame, std::int64_t now_us) = 0;
-  /// Sends what is due; returns when it wants to be called again.
+  /// Sends the frames that are due. Returns the time at which it must be called again.
   virtual std::int64_t tick(std::int64_t now_us) = 0;
-  /// A client has sent a frame.
+  /// Called after a client has sent a frame.
   virtual void said(const hal::CanFrame& frame, std::int64_t now_us) = 0;
   /// Whether a request that Traffic has sent to this node waits for its answer.
   virtual bool waits_for(unsigned node, std::int64_t now_us) = 0;
@@ -41,11 +42,11 @@ class SharedBus final : public can::Bus {
   std::string name() const override { return bus_.name(); }
   void transfer(unsigned node, bool goes_on) override;
 
-  /// The nodes with which a client's transfer goes on.
+  /// The nodes with which a client's transfer is in progress.
   const NodeSet& busy() const { return busy_; }
-  /// From any thread: whoever uses the bus ends.
+  /// Ends the operation that uses the bus. May be called from any thread.
   void interrupt() { interrupted_ = true; }
-  /// What an interrupt was for has ended already.
+  /// Withdraws an interrupt whose operation has ended already.
   void forget_interrupt() { interrupted_ = false; }
 
  private:

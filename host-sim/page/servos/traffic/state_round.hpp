@@ -7,11 +7,11 @@ namespace smaservo::page {
 
 class StateRound {
  public:
-  /// The next object is the first one, at once.
+  /// Begins a new round at once.
   void restart() { *this = {}; }
 
-  /// The object that is to be read now, if it is time for one. While nobody looks, not `all` of
-  /// the objects are read but the first, and less often.
+  /// The object to read now, if one is due. Without `all` only the first object is read, with the
+  /// longer period.
   std::optional<Key> next(bool all, std::int64_t now_us) {
     if (is_complete(all)) {
       at_ = 0;
@@ -20,16 +20,17 @@ class StateRound {
     return now_us < due_us_ ? std::nullopt : std::optional(state_objects()[at_++].key);
   }
 
-  /// Whether all objects of the round have been asked for.
+  /// Whether all objects of the round have been requested.
   bool is_complete(bool all) const { return at_ >= (all ? state_objects().size() : 1); }
 
-  /// What the rounds of one servo take of the bus while somebody looks.
+  /// Rate of the requests for one servo's state, with all objects.
   static double requests_per_s() {
     return 1e6 / period_us * static_cast<double>(state_objects().size());
   }
 
  private:
   static constexpr std::int64_t period_us = 200'000;
+  /// Period of the state requests while no client subscribes to anything or has control.
   static constexpr std::int64_t idle_period_us = 1'000'000;
 
   std::size_t at_ = 0;

@@ -23,10 +23,11 @@ constexpr std::uint32_t not_valid = 0x8000'0000;
 constexpr std::uint32_t id_mask = 0x7FF;
 constexpr std::size_t signals_per_pdo = 2;
 constexpr std::size_t most_signals = 8;
-/// The last three first: TPDO1 has statusword and faults, which other masters read.
+/// Order in which the PDOs are used. TPDO1 is last, because other masters read its statusword and
+/// faults.
 constexpr unsigned pdo_order[] = {2, 3, 4, 1};
-/// So many samples are looked at before one counts as missing: the answers to some SYNCs may always
-/// be on their way.
+/// Number of samples after which missing ones are counted: the answers to some SYNCs may always be
+/// still to come.
 constexpr unsigned judged_samples = 50;
 
 std::uint16_t index_of(std::uint16_t base, unsigned pdo) {
@@ -43,7 +44,7 @@ void write_whole(can::Remote& remote, Key key, std::uint32_t value, std::size_t 
   remote.client().download(key, bytes);
 }
 
-/// Bytes of the objects of a PDO.
+/// Length in bytes of an object that describes a PDO.
 std::size_t size_of_pdo_object(Key key) {
   const bool whole = (key.index < index::tpdo_mapping && key.sub == 1) ||
                      (key.index >= index::tpdo_mapping && key.sub != 0);
@@ -80,8 +81,8 @@ std::vector<unsigned> SyncStream::mapped() const {
   return all;
 }
 
-/// What a PDO is now, in the order in which it can be written again: not valid, no objects, the
-/// objects, their number, type and timers, valid.
+/// Reads the present configuration of a PDO, in the order in which it can be written again: not
+/// valid, no objects, the objects, their number, type and timers, valid.
 SyncStream::Pdo SyncStream::read_pdo(can::Remote& remote, unsigned number) {
   const std::uint16_t params = index_of(index::tpdo_communication, number);
   const std::uint16_t map = index_of(index::tpdo_mapping, number);
@@ -136,7 +137,7 @@ void SyncStream::map(can::Remote& remote) {
     write_pdo(remote, node.pdos[i], i * signals_per_pdo);
   }
   remote.nmt(can::NmtCommand::start);
-  // What was sent while only some of the PDOs were there does not count.
+  // Samples that were sent before all PDOs were mapped do not count.
   nodes_[remote.node()] = std::move(node);
 }
 
@@ -180,8 +181,8 @@ bool SyncStream::heard(const hal::CanFrame& frame, std::int64_t now_us, unsigned
       continue;
     }
     const auto place = static_cast<std::size_t>(found - state.pdos.begin());
-    // They come in the order of their numbers. One that comes again before all have come: the rest
-    // of the sample before is lost.
+    // PDOs come in the order of their numbers. If one comes again before all others have come, the
+    // rest of the sample before is lost.
     if ((state.filled >> place & 1U) != 0) {
       state.filled = 0;
     }
@@ -212,8 +213,9 @@ bool SyncStream::heard(const hal::CanFrame& frame, std::int64_t now_us, unsigned
   return false;
 }
 
-/// SYNCs that have no sample yet are on their way or lost. What is on its way changes, so that the
-/// minimum over some samples is what is lost.
+/// Counts lost samples. If the sample of a SYNC has not come, it is late or lost. The number of
+/// late samples varies, so the least number of late and lost ones together is that of the lost
+/// ones.
 void SyncStream::judge_gaps(Node& node) {
   const std::int64_t open = node.sent - node.complete - node.missing;
   node.fewest_open = node.judged == 0 ? open : std::min(node.fewest_open, open);
