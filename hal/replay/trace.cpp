@@ -33,7 +33,8 @@ struct TraceReader::Impl {
   std::vector<char> buffer = std::vector<char>(buffer_size);
   std::size_t begin = 0, end = 0;  ///< unread bytes in the buffer
   bool at_end = false;
-  std::uint64_t line = 0, read = 0, rows = 0, skipped = 0;
+  std::uint64_t line = 0, read = 0, rows = 0, skipped = 0, repeated = 0;
+  std::string header;
   std::unique_ptr<TraceColumns> columns;
   double last_time_s = -std::numeric_limits<double>::infinity();
   TimeRepair times;  ///< used by a lenient reader only
@@ -114,6 +115,7 @@ struct TraceReader::Impl {
     if (text.starts_with("\xEF\xBB\xBF")) {
       text.remove_prefix(3);
     }
+    header = text;
     try {
       columns = std::make_unique<TraceColumns>(text, options, place(1));
     } catch (const files::UserError& problem) {
@@ -155,9 +157,16 @@ struct TraceReader::Impl {
       std::optional<BadRow> bad = columns->parse(text, row);
       row.number = read++;
       row.piece = 0;
-      if (!bad && !complete) {
-        bad = BadRow{columns->names().size() - 1,
-                     "the last line has no end; the file seems to be cut off"};
+      if (bad && text == header) {
+        ++repeated;  // a logger that was restarted writes it again
+        --read;
+        continue;
+      }
+      if (bad && !complete) {
+        // Whatever wrote the file was stopped in the middle of a line.
+        bad->reason += "; the last line has no end, so the file was cut off there";
+        complain(complaint_of(line, *bad));
+        return false;
       }
       if (!has_time() && options.period_s > 0) {
         row.values[static_cast<std::size_t>(Column::time)] =
@@ -296,6 +305,17 @@ std::uint64_t TraceReader::file_size() const {
 }
 const std::vector<std::string>& TraceReader::complaints() const {
   return impl_->complaints;
+}
+std::uint64_t TraceReader::repeated_headers() const {
+  return impl_->repeated + impl_->source->repeated_headers();
+}
+std::string TraceReader::read_as() const {
+  const std::string layout = impl_->source->layout();
+  const std::string& columns = impl_->columns->recognised();
+  return layout + (layout.empty() || columns.empty() ? "" : "; ") + columns;
+}
+const std::vector<std::string>& TraceReader::hints() const {
+  return impl_->columns->hints();
 }
 const std::vector<std::string>& TraceReader::clock_notes() const {
   return impl_->clock_notes;

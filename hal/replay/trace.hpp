@@ -49,7 +49,8 @@ struct TraceOptions {
   /// there, a new piece begins (TraceRow::piece).
   bool lenient = false;
   double period_s = 0;  ///< above 0: time from row to row, used if no column has the time
-  /// Columns under another name: "time_s=step" or, with a factor, "time_s=step*5".
+  /// Columns under another name: "time_s=step" or, with a factor, "time_s=step*5"; or a quantity, a
+  /// column by name or number, and its unit: "current=3:mA".
   std::vector<std::string> renames;
   /// Interpret `resistance` and `power` as well; otherwise they are kept as text like unknown
   /// columns.
@@ -104,6 +105,13 @@ class TraceReader {
   std::uint64_t file_size() const;  ///< bytes; 0 if not known
   /// The reasons why the first few skipped rows were bad.
   const std::vector<std::string>& complaints() const;
+  /// Headers that came again among the rows, and were skipped.
+  std::uint64_t repeated_headers() const;
+  /// How the table of another program was read: "separated by semicolons, names in line 3; time =
+  /// column 1 'Time [s]' in s; ..."; empty where the file is of this project's dialect.
+  std::string read_as() const;
+  /// What columns may mean that were not taken, and what to type: one sentence each.
+  const std::vector<std::string>& hints() const;
   /// The first few places where the clock fell back, and how they were treated.
   const std::vector<std::string>& clock_notes() const;
 

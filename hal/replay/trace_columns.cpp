@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "hal/recording/trimmed.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::hal {
@@ -54,16 +55,6 @@ constexpr bool may_be_empty(Column column, const TraceOptions& options) {
 }
 
 constexpr double not_there = std::numeric_limits<double>::quiet_NaN();
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) {
-    text.remove_prefix(1);
-  }
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) {
-    text.remove_suffix(1);
-  }
-  return text;
-}
 
 /// Reads a number at `at` and moves `at` behind it; NaN if there is none. A plain decimal of up to
 /// 15 digits needs one exact division (Clinger 1990); the others are parsed by the standard
@@ -130,6 +121,12 @@ std::string names_of(const Known& column) {
   return fmt::format("{}", fmt::join(all, ", "));
 }
 
+/// The index of a quantity among the known columns.
+std::size_t index_of(std::string_view base) {
+  return static_cast<std::size_t>(std::ranges::find(known_columns, base, &Known::base) -
+                                  known_columns.begin());
+}
+
 [[noreturn]] void fail(const std::string& reason) {
   throw files::UserError(reason);
 }
@@ -152,11 +149,73 @@ TraceColumns::TraceColumns(std::string_view header, const TraceOptions& options,
       explain(i, names_[i]);
     }
   }
+  recognise();
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (targets_[i].value == column_count) {
       unknown_.push_back(i);
     }
   }
+}
+
+bool TraceColumns::is_own_header(std::string_view line) {
+  while (!line.empty()) {
+    const std::size_t comma = std::min(line.find(','), line.size());
+    const std::string_view name = trimmed(line.substr(0, comma));
+    if (std::ranges::any_of(known_columns, [&](const Known& column) {
+          return unit_of(name, column.base, column.kind).has_value();
+        })) {
+      return true;
+    }
+    line.remove_prefix(std::min(comma + 1, line.size()));
+  }
+  return false;
+}
+
+/// Takes columns by their meaning where the file has none by name. Where two may be the same
+/// quantity, or a unit is missing, none is taken.
+void TraceColumns::recognise() {
+  struct Found {
+    std::size_t column;
+    Meaning meaning;
+  };
+  std::array<std::vector<Found>, column_count> found;
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    const auto meaning = meaning_of(names_[i]);
+    if (!meaning || targets_[i].value != column_count) {
+      continue;
+    }
+    const std::size_t k = index_of(meaning->base);
+    if (understood(static_cast<Column>(k), options_) && !has_[k]) {
+      found[k].push_back({i, *meaning});
+    }
+  }
+  for (const std::vector<Found>& all : found) {
+    if (all.size() == 1 && !all[0].meaning.unit.empty()) {
+      take(all[0].column, all[0].meaning);
+      continue;
+    }
+    for (const auto& [i, meaning] : all) {
+      const bool one_of_several = all.size() > 1;
+      hints_.push_back(fmt::format(
+          "column {} ('{}') {} {}, {}: --column {}={}:{}", i + 1, names_[i],
+          one_of_several ? "is one of several that may be the" : "may be the", meaning.base,
+          one_of_several ? "so say which" : "but its name has no unit; say which", meaning.base,
+          i + 1,
+          meaning.unit.empty() ? known_columns[index_of(meaning.base)].kind.front().suffix
+                               : meaning.unit));
+    }
+  }
+}
+
+void TraceColumns::take(std::size_t i, const Meaning& meaning) {
+  const std::size_t k = index_of(meaning.base);
+  const Kind kind = known_columns[k].kind;
+  has_[k] = true;
+  targets_[i].value = k;
+  targets_[i].unit = *std::ranges::find(kind, meaning.unit, &Unit::suffix);
+  targets_[i].scale = meaning.scale;
+  recognised_ += fmt::format("{}{} = column {} '{}' in {}", recognised_.empty() ? "" : "; ",
+                             meaning.base, i + 1, names_[i], meaning.written);
 }
 
 std::size_t TraceColumns::position(Column column) const {
@@ -168,7 +227,8 @@ void TraceColumns::apply_rename(const std::string& rename) {
   const std::size_t equals = rename.find('=');
   const std::size_t star = rename.find('*', equals == std::string::npos ? 0 : equals);
   if (equals == std::string::npos || equals == 0) {
-    fail(fmt::format("--column {}: must be NAME=COLUMN or NAME=COLUMN*FACTOR", rename));
+    fail(fmt::format("--column {}: must be NAME=COLUMN, NAME=COLUMN*FACTOR or QUANTITY=COLUMN:UNIT",
+                     rename));
   }
   const std::string name = rename.substr(0, equals);
   const std::string column =
@@ -181,22 +241,67 @@ void TraceColumns::apply_rename(const std::string& rename) {
       fail(fmt::format("--column {}: the factor must be a finite number, not 0", rename));
     }
   }
-  for (std::size_t i = 0; i < names_.size(); ++i) {
-    if (names_[i] == column) {
-      if (targets_[i].value != column_count) {
-        fail(fmt::format("--column {}: the column has another name already", rename));
-      }
-      explain(i, name);
-      if (targets_[i].value == column_count) {
-        fail(fmt::format("--column {}: {} is no known name of a column; known are: {}", rename,
-                         name, known_names()));
-      }
-      targets_[i].scale = factor;
-      return;
-    }
+  if (star == std::string::npos && apply_unit(rename, name, column)) {
+    return;
   }
-  fail(fmt::format("--column {}: there is no column {}; there are: {}", rename, column,
-                   fmt::join(names_, ", ")));
+  const auto found = find_column(column);
+  if (!found) {
+    fail(fmt::format("--column {}: there is no column {}; there are: {}", rename, column,
+                     fmt::join(names_, ", ")));
+  }
+  const std::size_t i = *found;
+  if (targets_[i].value != column_count) {
+    fail(fmt::format("--column {}: the column has another name already", rename));
+  }
+  explain(i, name);
+  if (targets_[i].value == column_count) {
+    fail(fmt::format("--column {}: {} is no known name of a column; known are: {}", rename, name,
+                     known_names()));
+  }
+  targets_[i].scale = factor;
+}
+
+/// The column of this name, or of this number if none has the name.
+std::optional<std::size_t> TraceColumns::find_column(const std::string& column) const {
+  const auto named = std::ranges::find(names_, column);
+  if (named != names_.end()) {
+    return static_cast<std::size_t>(named - names_.begin());
+  }
+  std::size_t number = 0;
+  const char* const stop = column.data() + column.size();
+  const auto [at, error] = std::from_chars(column.data(), stop, number);
+  const bool is_number = error == std::errc{} && at == stop;
+  return is_number && 0 < number && number <= names_.size() ? std::optional(number - 1)
+                                                            : std::nullopt;
+}
+
+/// `current=3:mA`, `current=I:mA`: quantity, column and unit. False: the text is another form.
+bool TraceColumns::apply_unit(const std::string& rename, const std::string& name,
+                              const std::string& column) {
+  const std::size_t colon = column.rfind(':');
+  const std::size_t k = index_of(name);
+  if (colon == std::string::npos || k == column_count ||
+      !understood(static_cast<Column>(k), options_)) {
+    return false;
+  }
+  const auto found = find_column(column.substr(0, colon));
+  if (!found) {
+    return false;
+  }
+  const std::string unit = column.substr(colon + 1);
+  const auto meaning = meaning_of(fmt::format("{} [{}]", name, unit));
+  if (!meaning || meaning->unit.empty()) {
+    fail(fmt::format("--column {}: {} is no unit of {}; known are: {}", rename, unit, name,
+                     names_of(known_columns[k])));
+  }
+  if (targets_[*found].value != column_count || has_[k]) {
+    fail(
+        fmt::format("--column {}: the column has another name already, or another column is the "
+                    "{}",
+                    rename, name));
+  }
+  take(*found, *meaning);
+  return true;
 }
 
 std::string TraceColumns::known_names() const {
@@ -232,8 +337,11 @@ void TraceColumns::explain(std::size_t i, const std::string& name) {
     if (k != static_cast<std::size_t>(Column::power) &&
         (name == column.base || (name.starts_with(column.base) && name[column.base.size()] == '_' &&
                                  looks_like_unit(name.substr(column.base.size() + 1))))) {
-      fail(fmt::format("{}, column {} ({}): {} has no unit, or an unknown one; known are: {}",
-                       place_, i + 1, name, column.base, names_of(column)));
+      fail(
+          fmt::format("{}, column {} ({}): {} has no unit, or an unknown one; known are: {}; "
+                      "or say which: --column {}={}:{}",
+                      place_, i + 1, name, column.base, names_of(column), column.base, i + 1,
+                      column.kind.front().suffix));
     }
   }
 }

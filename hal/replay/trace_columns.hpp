@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/replay/sheet/meaning.hpp"
 #include "hal/replay/trace.hpp"
 #include "model/units.hpp"
 
@@ -24,12 +25,21 @@ class TraceColumns {
   /// `place` names the header in messages. Throws UserError, which does not name the file.
   TraceColumns(std::string_view header, const TraceOptions& options, std::string place);
 
+  /// Whether the line has a column's name and unit as this reader writes them.
+  static bool is_own_header(std::string_view line);
+
   bool has(Column column) const { return has_[static_cast<std::size_t>(column)]; }
   /// The position of this column, which the file must have.
   std::size_t position(Column column) const;
   const std::vector<std::string>& names() const { return names_; }
   /// The positions of the columns that are kept as text.
   const std::vector<std::size_t>& unknown() const { return unknown_; }
+
+  /// The columns whose meaning was found by other names: "current = column 3 'I [mA]' in mA; ...";
+  /// empty: there are none.
+  const std::string& recognised() const { return recognised_; }
+  /// What columns may mean that were not taken, and what to type: one sentence each.
+  const std::vector<std::string>& hints() const { return hints_; }
 
   /// Sets the row's values and text; returns the reason if the row is bad.
   std::optional<BadRow> parse(std::string_view text, TraceRow& row) const;
@@ -45,6 +55,10 @@ class TraceColumns {
   void apply_rename(const std::string& rename);
   std::string known_names() const;
   void explain(std::size_t i, const std::string& name);
+  void recognise();
+  void take(std::size_t i, const Meaning& meaning);
+  std::optional<std::size_t> find_column(const std::string& column) const;
+  bool apply_unit(const std::string& rename, const std::string& name, const std::string& column);
   BadRow out_of_range(std::size_t i, const std::string& field) const;
   std::string wrong_count(std::string_view text) const;
 
@@ -54,6 +68,8 @@ class TraceColumns {
   std::vector<Target> targets_;
   std::vector<std::size_t> unknown_;
   std::array<bool, column_count> has_{};
+  std::string recognised_;
+  std::vector<std::string> hints_;
 };
 
 }  // namespace smaservo::hal

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "hal/recording/trace_file.hpp"
+#include "hal/replay/trace_columns.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::hal {
@@ -16,9 +17,11 @@ TraceText::TraceText(const std::string& path) {
   open_file(path);
   try {
     read_head();
+    const auto read_on = [this](char* to, std::size_t room) { return read_file(to, room); };
     if (head_.starts_with(mcap::magic) || is_mcap_name(path)) {
-      mcap_ = std::make_unique<mcap::CsvOfRows>(
-          [this](char* to, std::size_t room) { return read_file(to, room); });
+      mcap_ = std::make_unique<mcap::CsvOfRows>(read_on);
+    } else {
+      sheet_ = std::make_unique<CsvOfSheet>(read_on, TraceColumns::is_own_header);
     }
   } catch (...) {
     if (file_ > STDIN_FILENO) {
@@ -82,12 +85,14 @@ std::size_t TraceText::read_file(char* to, std::size_t room) {
 }
 
 std::size_t TraceText::read(char* to, std::size_t room) {
-  return mcap_ ? mcap_->read(to, room) : read_file(to, room);
+  return mcap_                  ? mcap_->read(to, room)
+         : sheet_->is_foreign() ? sheet_->read(to, room)
+                                : sheet_->read_raw(to, room);
 }
 
 std::string TraceText::place(std::uint64_t line) const {
   if (!mcap_) {
-    return fmt::format("line {}", line);
+    return fmt::format("line {}", sheet_->is_foreign() ? sheet_->line_of(line) : line);
   }
   return line == 1 ? "schema" : fmt::format("message {}", line - 1);
 }

@@ -6,11 +6,13 @@
 #include <string>
 
 #include "hal/recording/mcap/rows_reader.hpp"
+#include "hal/replay/sheet/sheet.hpp"
 
 namespace smaservo::hal {
 
-/// The text of a trace: the content of a CSV file, or the rows of an MCAP file as CSV. All
-/// functions that read throw files::UserError, which does not name the file.
+/// The text of a trace: the content of a CSV file, or the rows of an MCAP file or of another
+/// program's table as CSV. All functions that read throw files::UserError, which does not name the
+/// file.
 class TraceText {
  public:
   /// `path` "-" is standard input. A file that begins with MCAP's magic bytes is read as MCAP; a
@@ -26,6 +28,10 @@ class TraceText {
   bool is_mcap() const { return mcap_ != nullptr; }
   /// The name of a line of the text in messages; lines are counted from 1.
   std::string place(std::uint64_t line) const;
+  /// How another program's table is laid out; empty for a CSV file of this project's dialect.
+  std::string layout() const { return sheet_ && sheet_->is_foreign() ? sheet_->said() : ""; }
+  /// Headers in the middle of the table, which are skipped.
+  std::uint64_t repeated_headers() const { return sheet_ ? sheet_->repeated() : 0; }
   /// After the end: where an unfinished MCAP file ends; empty if it was finished.
   std::string cut_off() const { return mcap_ ? mcap_->cut_off() : ""; }
   std::uint64_t bytes() const { return bytes_; }  ///< bytes of the file read so far
@@ -39,7 +45,8 @@ class TraceText {
   int file_ = -1;
   std::uint64_t size_ = 0, bytes_ = 0;
   std::string head_;                       ///< first bytes of the file, which tell its format
-  std::unique_ptr<mcap::CsvOfRows> mcap_;  ///< null: the file is CSV
+  std::unique_ptr<mcap::CsvOfRows> mcap_;  ///< null: the file is text
+  std::unique_ptr<CsvOfSheet> sheet_;      ///< null: the file is MCAP
 };
 
 }  // namespace smaservo::hal

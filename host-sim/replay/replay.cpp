@@ -8,6 +8,7 @@
 
 #include "firmware/bench/progress.hpp"
 #include "hal/replay/board.hpp"
+#include "host-sim/how_read.hpp"
 #include "host-sim/replay/estimate_file.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "model/files/error.hpp"
@@ -112,6 +113,7 @@ class Sink {
   }
 
   void finish(const hal::TraceReader& trace) {
+    say_what_was_skipped(name_, trace);
     result_.skipped = trace.skipped();
     result_.bytes = trace.bytes();
     result_.complaints = trace.complaints();
@@ -323,6 +325,7 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
 ReplayResult replay(const ReplayOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   hal::TraceReader trace(options.trace, options.trace_options);
+  say_how_read(options.trace, trace);
   ReplayResult result;
   const bool electrical = trace.has(hal::Column::current) && trace.has(hal::Column::voltage);
   const RunSettings settings = parse_run_settings(options.settings);

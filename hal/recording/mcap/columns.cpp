@@ -10,17 +10,11 @@
 #include <set>
 
 #include "hal/recording/mcap/row_object.hpp"
+#include "hal/recording/trimmed.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::hal::mcap {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t from = text.find_first_not_of(" \t");
-  return from == std::string_view::npos
-             ? ""
-             : text.substr(from, text.find_last_not_of(" \t") + 1 - from);
-}
 
 Kind kind_of(const nlohmann::ordered_json& property) {
   const auto type = property.is_object() ? property.find("type") : property.end();

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <limits>
 
+#include "host-sim/how_read.hpp"
 #include "host-sim/identify/runs/run_checks.hpp"
 
 namespace smaservo::identify {
@@ -118,6 +119,7 @@ Run read_run(const std::string& path, const RunOptions& options) {
   hal::TraceOptions trace_options = options.trace;
   trace_options.resistance_and_power = true;
   hal::TraceReader trace(path, trace_options);
+  say_how_read(path, trace);
   Run run{path == "-" ? "standard input" : path, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   std::vector<double> load_N, displacement_m;
   struct ColumnValues {
@@ -144,6 +146,10 @@ Run read_run(const std::string& path, const RunOptions& options) {
         channel.values.push_back(row[channel.column]);
       }
     }
+  }
+  say_what_was_skipped(path, trace);
+  for (const std::string& complaint : trace.complaints()) {
+    files::complain("host-sim", fmt::format("{}: skipped: {}", run.name, complaint));
   }
   if (trace.rows() == 0) {
     fail(run, "has no usable row");

@@ -1,5 +1,7 @@
 // What a replay does with options, references, gaps and mistakes.
 
+#include <algorithm>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -77,6 +79,25 @@ TEST_F(ReplayOf, TheSameTraceIsTheSameWhateverRanBefore) {
     EXPECT_EQ(before.result.observers[i].error.mean(), after.result.observers[i].error.mean());
     EXPECT_EQ(before.result.observers[i].error.maximum(),
               after.result.observers[i].error.maximum());
+  }
+}
+
+// As a spreadsheet of another country writes it.
+TEST_F(ReplayOf, ATableOfAnotherProgramHasTheSameEstimate) {
+  std::string table = "Messung 7;;;;\n\n";
+  table += rewritten("Zeit [ms];Strom in mA;Spannung/V;Kraft (N);strain_ref", [](const Columns& c) {
+    std::string row = fmt::format("{};{};{};{};{}", 1e3 * std::stod(c.time),
+                                  1e3 * std::stod(c.current), c.voltage, c.load, c.strain_ref);
+    std::ranges::replace(row, '.', ',');
+    return row;
+  });
+  table.pop_back();
+  const Estimated expected = of(joined(short_trace()));
+  const Estimated e = of(table);
+  EXPECT_EQ(e.result.rows, expected.result.rows);
+  EXPECT_TRUE(e.result.has_reference);
+  for (std::size_t i = 0; i < e.result.rows; ++i) {
+    ASSERT_NEAR(e.column("strain")[i], expected.column("strain")[i], 1e-6);
   }
 }
 

@@ -1,0 +1,259 @@
+// Tables as other programs write them: the same rows, whatever the dialect.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <random>
+
+#include "hal/replay/sheet/layout.hpp"
+#include "hal/replay/sheet/meaning.hpp"
+#include "tests/hal/replay/traces.hpp"
+
+namespace smaservo::test::sheet_test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+struct Said {
+  TraceContents contents;
+  std::string read_as;
+  std::vector<std::string> hints;
+};
+
+Said read(std::string_view text, const hal::TraceOptions& options = {}) {
+  const TemporaryFolder folder;
+  hal::TraceReader reader(folder.write("trace.csv", text), options);
+  Said said{read_all(reader), {}, {}};
+  said.read_as = reader.read_as();
+  said.hints = reader.hints();
+  return said;
+}
+
+std::string utf16(std::string_view text, bool big) {
+  std::string out(big ? "\xFE\xFF" : "\xFF\xFE");
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    // What the tests write is ASCII and the sign of micro, two bytes in UTF-8.
+    const bool micro = text.substr(i, 2) == "\u00B5";
+    const char low = micro ? '\xB5' : text[i];
+    i += micro ? 1 : 0;
+    out += big ? std::string{'\0', low} : std::string{low, '\0'};
+  }
+  return out;
+}
+
+/// The way in which a program writes tables.
+struct Dialect {
+  std::string_view separator;
+  char decimal;
+  bool units_below, quoted, crlf, ends, repeats, trailing;
+  int preface, encoding;
+};
+
+Dialect draw(std::mt19937& random) {
+  constexpr std::pair<std::string_view, char> signs[] = {
+      {",", '.'}, {";", '.'}, {";", ','}, {"\t", '.'}, {"\t", ','}, {"  ", '.'}, {" \t", ','}};
+  const auto [separator, decimal] = signs[random() % std::size(signs)];
+  const auto coin = [&] { return random() % 2 == 0; };
+  const bool blank = separator.front() == ' ';
+  return {separator,
+          decimal,
+          coin(),
+          !blank && coin(),
+          coin(),
+          coin(),
+          coin(),
+          !blank && coin(),
+          static_cast<int>(random() % 3),
+          static_cast<int>(random() % 4)};
+}
+
+std::string written(const Dialect& d, const std::vector<std::array<double, 4>>& rows) {
+  const std::string end = d.crlf ? "\r\n" : "\n";
+  const auto line = [&](const std::array<std::string, 4>& fields) {
+    std::string text;
+    for (const std::string& field : fields) {
+      text += text.empty() ? "" : std::string(d.separator);
+      text += d.quoted ? '"' + field + '"' : field;
+    }
+    return text + (d.trailing ? std::string(d.separator) : "");
+  };
+  std::string text;
+  constexpr std::array<std::string_view, 2> prefaces{"LabVIEW Measurement", "# made by hand"};
+  for (int i = 0; i < d.preface; ++i) {
+    text += std::string(prefaces[static_cast<std::size_t>(i)]) + end;
+  }
+  const std::string header = d.units_below ? line({"Time", "Current", "Spannung", "Force"}) + end +
+                                                 line({"ms", "mA", "V", "N"})
+                                           : line({"Time[ms]", "I[mA]", "Voltage(V)", "Kraft/N"});
+  text += header + end;
+  int n = 0;
+  for (const auto& row : rows) {
+    std::array<std::string, 4> fields;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      fields[k] = fmt::format("{}", row[k]);
+      std::ranges::replace(fields[k], '.', d.decimal);
+    }
+    if (d.repeats && ++n == 3) {
+      text += header.substr(0, header.find(end)) + end;
+    }
+    text += line(fields) + end;
+  }
+  text.erase(d.ends ? text.size() : text.size() - end.size());
+  return d.encoding == 0   ? text
+         : d.encoding == 1 ? "\xEF\xBB\xBF" + text
+                           : utf16(text, d.encoding == 2);
+}
+
+TEST(Sheet, IsTheSameRowsInAnyDialect) {
+  std::mt19937 random(41);
+  for (int i = 0; i < 2000; ++i) {
+    const Dialect d = draw(random);
+    std::vector<std::array<double, 4>> rows;
+    for (int k = 0; k < 5; ++k) {
+      const auto some = [&] { return 1e-3 * static_cast<double>(random() % 100'000); };
+      rows.push_back({10.0 * k + 0.5, some(), some(), some()});
+    }
+    const std::string text = written(d, rows);
+    SCOPED_TRACE(text);
+    const Said said = read(text);
+    ASSERT_EQ(said.contents.rows.size(), rows.size());
+    EXPECT_EQ(said.contents.skipped, 0U);
+    EXPECT_THAT(said.hints, IsEmpty());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      ASSERT_EQ(said.contents.at(k, hal::Column::time), rows[k][0] * 1e-3);
+      ASSERT_EQ(said.contents.at(k, hal::Column::current), rows[k][1] * 1e-3);
+      ASSERT_EQ(said.contents.at(k, hal::Column::voltage), rows[k][2]);
+      ASSERT_EQ(said.contents.at(k, hal::Column::load), rows[k][3]);
+    }
+  }
+}
+
+TEST(Sheet, SaysWhatItTook) {
+  EXPECT_EQ(
+      read("Messung vom 28.11.\n\nTime [s];I [mA];Spannung/V;note\n0,5;100;2,5;a\n1;100;2,5;b\n")
+          .read_as,
+      "separated by semicolons, decimal comma, names in line 3; time = column 1 'Time [s]' in "
+      "s; current = column 2 'I [mA]' in mA; voltage = column 3 'Spannung/V' in V");
+  EXPECT_EQ(read("t\tU\nms\tmV\n0\t1\n1\t2\n").read_as,
+            "separated by tabs, names in line 1, units in line 2; time = column 1 't [ms]' in ms; "
+            "voltage = column 2 'U [mV]' in mV");
+  EXPECT_EQ(read("time_s,current_A,voltage_V\n0,1,2\n1,1,2\n").read_as, "") << "our own dialect";
+  EXPECT_EQ(read("time_s,U [V],current_A\n0,1,2\n1,1,2\n").read_as,
+            "voltage = column 2 'U [V]' in V");
+}
+
+// What is not certain is not taken, and the option to type is named.
+TEST(Sheet, DoesNotGuess) {
+  const Said bare = read("time_s,U,current_A\n0,1,2\n1,1,2\n");
+  EXPECT_EQ(bare.contents.rows.size(), 2U);
+  EXPECT_TRUE(std::isnan(bare.contents.at(0, hal::Column::voltage)));
+  ASSERT_EQ(bare.hints.size(), 1U);
+  EXPECT_EQ(bare.hints[0],
+            "column 2 ('U') may be the voltage, but its name has no unit; say which: --column "
+            "voltage=2:V");
+  const Said twice = read("time_s,U [V],Spannung (mV),current_A\n0,1,2,3\n1,1,2,3\n");
+  EXPECT_TRUE(std::isnan(twice.contents.at(0, hal::Column::voltage)));
+  ASSERT_EQ(twice.hints.size(), 2U);
+  EXPECT_EQ(twice.hints[1],
+            "column 3 ('Spannung (mV)') is one of several that may be the voltage, so say which: "
+            "--column voltage=3:mV");
+  EXPECT_TRUE(read("time_s,U [V],voltage_V\n0,1,2\n1,1,2\n").hints.empty())
+      << "a name of our own goes first";
+}
+
+TEST(Sheet, AColumnCanBeSaid) {
+  hal::TraceOptions options;
+  options.renames = {"voltage=3:mV", "current=I:uA", "time=1:min"};
+  const Said said = read("a;I;b\n0;5;2500\n1;6;2600\n", options);
+  EXPECT_DOUBLE_EQ(said.contents.at(1, hal::Column::voltage), 2.6);
+  EXPECT_DOUBLE_EQ(said.contents.at(1, hal::Column::current), 6e-6);
+  EXPECT_DOUBLE_EQ(said.contents.at(1, hal::Column::time), 60);
+  options.renames = {"voltage=3:mA"};
+  EXPECT_THAT(refusal("a;I;b\n0;5;2500\n1;6;2600\n", options),
+              HasSubstr("mA is no unit of voltage; known are: voltage_V, voltage_mV"));
+  options.renames = {"voltage=9:V"};
+  EXPECT_THAT(refusal("a;I;b\n0;5;2500\n1;6;2600\n", options), HasSubstr("there is no column 9:V"));
+  options.renames = {"time=1:s", "current=2:A", "voltage=3:V"};
+  EXPECT_EQ(read("0 1 2\n1 3 4\n", options).contents.at(1, hal::Column::voltage), 4)
+      << "without names columns have numbers";
+}
+
+TEST(Sheet, KnowsNamesAndUnits) {
+  const auto is = [](std::string_view name, std::string_view base, std::string_view unit,
+                     double scale = 1) {
+    const auto meaning = hal::meaning_of(name);
+    ASSERT_TRUE(meaning) << name;
+    EXPECT_EQ(meaning->base, base) << name;
+    EXPECT_EQ(meaning->unit, unit) << name;
+    EXPECT_EQ(meaning->scale, scale) << name;
+  };
+  is("I [mA]", "current", "mA");
+  is("Current (mA)", "current", "mA");
+  is("Spannung/V", "voltage", "V");
+  is("Voltage", "voltage", "");
+  is("Force [N]", "load", "N");
+  is("load_g", "load", "gf");
+  is("Load cell in kg", "load", "gf", 1000);
+  is("disp_um", "displacement", "um");
+  is("Weg [\u00B5m]", "displacement", "um");
+  is("R_ohm", "resistance", "ohm");
+  is("R [\u03A9]", "resistance", "ohm");
+  is("TIME (Sec)", "time", "s");
+  is("millis", "time", "ms");
+  is("Umgebungstemperatur [\u00B0C]", "ambient", "degC");
+  for (const std::string_view name :
+       {"Temperature [C]", "position_mm", "Force [MN]", "current_V", "note", "", "[A]", "/", "I [",
+        "supply [V]", "Voltage divider [V]"}) {
+    const auto meaning = hal::meaning_of(name);
+    EXPECT_TRUE(!meaning || meaning->unit.empty()) << name;
+  }
+}
+
+TEST(Sheet, ReadsClocks) {
+  const auto seconds = [](std::string_view field) { return hal::plain_number(field, '.'); };
+  EXPECT_EQ(seconds("00:01:02.50"), "62.50");
+  EXPECT_EQ(seconds("1970-01-02 00:00:01"), "86401");
+  EXPECT_EQ(seconds("2026-11-28T12:00:00Z"), "1795867200");
+  EXPECT_EQ(seconds("29.02.2024 00:00:00"), "1709164800");
+  EXPECT_EQ(hal::plain_number("12:00:00,5", ','), "43200.5");
+  for (const std::string_view field :
+       {"11/28/2026 12:00:00", "12:60:00", "12:00", "a:00:00", "12:00:0x", "1.5.3", "0x10", "inf",
+        "nan", "", "-", "1e999", "2026-13-01 00:00:00"}) {
+    EXPECT_FALSE(seconds(field)) << field;
+  }
+}
+
+// Neither a number that is whole nor one that lacks digits can be told in the last field of a line
+// without an end; a line with too few fields can.
+TEST(Sheet, ALineThatIsCutOffIsSaid) {
+  for (const std::string_view text : {"time_s,current_A\n0,1\n1", "Time [s];I [A]\n0;1\n1"}) {
+    const Said said = read(text);
+    EXPECT_EQ(said.contents.rows.size(), 1U);
+    ASSERT_EQ(said.contents.complaints.size(), 1U);
+    EXPECT_THAT(said.contents.complaints[0],
+                HasSubstr("the last line has no end, so the file was cut off there"));
+  }
+  EXPECT_EQ(read("time_s,current_A\n0,1\n1,2").contents.rows.size(), 2U);
+}
+
+TEST(Sheet, MessagesNameTheLineOfTheFile) {
+  EXPECT_THAT(refusal("a preface\n\nt [s];I [A]\n0;1\n\n1;x\n2;3\n"),
+              HasSubstr("line 6, column 2 (I [A])"));
+}
+
+// Whatever comes in, it is read or refused.
+TEST(Sheet, NothingCrashesIt) {
+  std::mt19937 random(42);
+  const std::string all = "0123456789.,;\t \"\n\r#[](){}/-+:eE\xFF\xFE\xC2\xB5msVAN";
+  for (int i = 0; i < 20'000; ++i) {
+    std::string text(random() % 120, ' ');
+    for (char& c : text) {
+      c = all[random() % all.size()];
+    }
+    refusal(text);
+  }
+}
+
+}  // namespace
+}  // namespace smaservo::test::sheet_test
