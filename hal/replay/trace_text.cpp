@@ -16,9 +16,10 @@ namespace smaservo::hal {
 TraceText::TraceText(const std::string& path) {
   open_file(path);
   try {
-    read_head();
-    const auto read_on = [this](char* to, std::size_t room) { return read_file(to, room); };
-    if (head_.starts_with(mcap::magic) || is_mcap_name(path)) {
+    content_ = std::make_unique<Unpacked>(
+        [this](char* to, std::size_t room) { return read_file(to, room); });
+    const auto read_on = [this](char* to, std::size_t room) { return content_->read(to, room); };
+    if (content_->head().starts_with(mcap::magic) || is_mcap_name(path)) {
       mcap_ = std::make_unique<mcap::CsvOfRows>(read_on);
     } else {
       sheet_ = std::make_unique<CsvOfSheet>(read_on, TraceColumns::is_own_header);
@@ -56,23 +57,7 @@ void TraceText::open_file(const std::string& path) {
   }
 }
 
-/// Reads until the first bytes have arrived; in a large block, because a socket of packets discards
-/// what does not fit.
-void TraceText::read_head() {
-  std::string block(std::size_t{1} << 20U, '\0');
-  std::size_t used = 0;
-  for (std::size_t got = 1; got > 0 && used < mcap::magic.size(); used += got) {
-    got = read_file(block.data() + used, block.size() - used);
-  }
-  head_ = block.substr(0, used);
-}
-
 std::size_t TraceText::read_file(char* to, std::size_t room) {
-  if (!head_.empty()) {
-    const std::size_t part = head_.copy(to, room);
-    head_.erase(0, part);
-    return part;
-  }
   ssize_t got = 0;
   do {
     got = ::read(file_, to, room);

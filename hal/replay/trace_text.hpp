@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hal/recording/mcap/rows_reader.hpp"
+#include "hal/recording/unpacked.hpp"
 #include "hal/replay/sheet/sheet.hpp"
 
 namespace smaservo::hal {
@@ -39,12 +40,11 @@ class TraceText {
 
  private:
   void open_file(const std::string& path);
-  void read_head();
   std::size_t read_file(char* to, std::size_t room);
 
   int file_ = -1;
   std::uint64_t size_ = 0, bytes_ = 0;
-  std::string head_;                       ///< first bytes of the file, which tell its format
+  std::unique_ptr<Unpacked> content_;
   std::unique_ptr<mcap::CsvOfRows> mcap_;  ///< null: the file is text
   std::unique_ptr<CsvOfSheet> sheet_;      ///< null: the file is MCAP
 };

@@ -1,5 +1,6 @@
 // Tables as other programs write them: the same rows, whatever the dialect.
 
+#include <cstdlib>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -240,6 +241,45 @@ TEST(Sheet, ALineThatIsCutOffIsSaid) {
 TEST(Sheet, MessagesNameTheLineOfTheFile) {
   EXPECT_THAT(refusal("a preface\n\nt [s];I [A]\n0;1\n\n1;x\n2;3\n"),
               HasSubstr("line 6, column 2 (I [A])"));
+}
+
+// By the programs that people have.
+TEST(Sheet, MayBeCompressed) {
+  const TemporaryFolder folder;
+  std::string text = "time_s,current_A,voltage_V\n";
+  for (int i = 0; i < 100'000; ++i) {
+    text += fmt::format("{},{},2\n", 0.001 * i, i % 7);
+  }
+  const auto compressed = [&](const std::string& program) {
+    const std::string path = folder.write("t.csv", text);
+    // NOLINTNEXTLINE(bugprone-command-processor): the path is the test's own
+    EXPECT_EQ(std::system(fmt::format("{0} -c -q '{1}' > '{1}.x'", program, path).c_str()), 0);
+    return path + ".x";
+  };
+  const TraceContents expected = read_trace(text);
+  for (const std::string program : {"gzip", "zstd"}) {
+    const std::string path = compressed(program);
+    hal::TraceReader reader(path, {});
+    const TraceContents contents = read_all(reader);
+    EXPECT_EQ(contents.rows.size(), expected.rows.size());
+    EXPECT_TRUE(contents.texts == expected.texts);
+    EXPECT_EQ(reader.bytes(), reader.file_size()) << "of the file, as its progress is shown";
+    // Two files one behind the other are one; a file that is cut off or damaged is refused.
+    const std::string packed = file_text(path);
+    hal::TraceReader twice(folder.write("twice", packed + packed), {});
+    hal::TraceRow row{};
+    EXPECT_THROW(while (twice.next(row)){}, hal::TraceError) << "time falls back in the second";
+    EXPECT_EQ(twice.rows(), expected.rows.size());
+    EXPECT_THAT(refusal(packed.substr(0, packed.size() - 9)), HasSubstr("end in the middle"));
+    std::string damaged = packed;
+    damaged[packed.size() - (program == "gzip" ? 6 : 1)] ^= 1;  // of the checksum
+    EXPECT_THAT(refusal(damaged), HasSubstr(program + " data are damaged"));
+  }
+  text = "t [s];I [mA]\n0;1,5\n1;2,5\n";
+  hal::TraceReader reader(compressed("gzip"), {});
+  EXPECT_EQ(read_all(reader).rows.size(), 2U) << "the table of another program";
+  EXPECT_THAT(refusal("PK\x03\x04 and more"), HasSubstr("save the sheet as CSV"));
+  EXPECT_THAT(refusal("MATLAB 5.0 MAT-file"), HasSubstr("writetable()"));
 }
 
 // Whatever comes in, it is read or refused.
