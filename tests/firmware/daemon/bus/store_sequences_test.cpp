@@ -326,7 +326,7 @@ class World {
     daemon::ParameterSet* set = nullptr;
     if (run_->links.new_sets.pop(set)) {
       // What may change at any time is never refused.
-      daemon::ParameterSet* const asked = set;
+      const daemon::ParameterSet* const asked = set;
       set = run_->device.adopt(set, may_be_heated && random_() % 2 == 0);
       run_->adopted = set == asked ? run_->adopted : daemon::number_of(*asked);
       run_->links.old_sets.push(set);
