@@ -10,6 +10,11 @@
 
 namespace smaservo {
 
+/// The help of --column, where a trace is read.
+inline constexpr const char* column_help =
+    "QUANTITY=COLUMN:UNIT, as current=3:mA: this column by its name or number, in this unit; or "
+    "NAME=COLUMN or NAME=COLUMN*FACTOR; repeatable";
+
 /// Checks that an option's value, if given, is in this range. Throws UserError.
 void require(const char* option, const std::optional<double>& value, double low, double high);
 

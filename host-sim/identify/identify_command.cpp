@@ -186,10 +186,7 @@ void add_identify_command(CLI::App& app) {
   command->add_option("--load-N", a->load_N, "load of runs without a load, N");
   command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")
       ->excludes("--load-N");
-  command
-      ->add_option("--column", a->columns,
-                   "NAME=COLUMN or NAME=COLUMN*FACTOR: reads NAME from this column; repeatable")
-      ->allow_extra_args(false);
+  command->add_option("--column", a->columns, column_help)->allow_extra_args(false);
   command->callback([a] { run(*a); });
 }
 

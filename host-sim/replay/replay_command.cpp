@@ -115,9 +115,7 @@ void add_replay_command(CLI::App& app) {
   command->add_option("--ambient-degC", a->ambient_degC,
                       "first guess of the air; default: the trace's first value, or 25");
   command->add_option("--period-s", a->period_s, "time between rows of a trace without time, s");
-  command
-      ->add_option("--column", a->options.trace_options.renames,
-                   "NAME=COLUMN or NAME=COLUMN*FACTOR: reads NAME from this column; repeatable")
+  command->add_option("--column", a->options.trace_options.renames, column_help)
       ->allow_extra_args(false);
   // Formerly the command replay-device; whoever still types it is told the new name.
   command

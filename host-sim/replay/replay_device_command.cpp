@@ -52,9 +52,7 @@ void add_replay_device_command(CLI::App& app) {
   command->add_flag("--lenient", a->options.trace_options.lenient,
                     "skip and count bad rows instead of refusing them");
   command->add_option("--period-s", a->period_s, "time between rows of a trace without time, s");
-  command
-      ->add_option("--column", a->options.trace_options.renames,
-                   "NAME=COLUMN or NAME=COLUMN*FACTOR: reads NAME from this column; repeatable")
+  command->add_option("--column", a->options.trace_options.renames, column_help)
       ->allow_extra_args(false);
   command->add_flag("--allow-differences", a->allow_differences,
                     "exit with 0 even if the outputs differ from the trace's");

@@ -13,6 +13,7 @@ FIGURES is the list. A figure is one of these:
 from dataclasses import dataclass, field
 import difflib
 import re
+import signal
 import subprocess
 import sys
 import textwrap
@@ -256,6 +257,7 @@ def how_long(seconds):
 
 
 def show_list():
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # where only the beginning is read, as by head
     for name, figure in FIGURES.items():
         notes = [how_long(figure.seconds), *(['nothing else may run'] if figure.alone else []),
                  *([] if figure.usual else ['only if named']), *(['copied by hand'] if figure.kind == 'copied' else [])]

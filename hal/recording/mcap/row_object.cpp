@@ -4,6 +4,8 @@
 #include <charconv>
 #include <fmt/format.h>
 
+#include "hal/recording/utf8.hpp"
+
 namespace smaservo::hal::mcap {
 namespace {
 
@@ -69,25 +71,6 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
     }
   }
   return length;
-}
-
-void put_utf8(std::string& to, std::uint32_t code) {
-  const auto byte = [&](std::uint32_t value) { to += static_cast<char>(value); };
-  if (code < 0x80) {
-    byte(code);
-  } else if (code < 0x800) {
-    byte(0xC0 | code >> 6U);
-    byte(0x80 | (code & 0x3FU));
-  } else if (code < 0x10000) {
-    byte(0xE0 | code >> 12U);
-    byte(0x80 | (code >> 6U & 0x3FU));
-    byte(0x80 | (code & 0x3FU));
-  } else {
-    byte(0xF0 | code >> 18U);
-    byte(0x80 | (code >> 12U & 0x3FU));
-    byte(0x80 | (code >> 6U & 0x3FU));
-    byte(0x80 | (code & 0x3FU));
-  }
 }
 
 bool is_control(char c) {

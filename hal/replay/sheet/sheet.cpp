@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 
+#include "hal/recording/utf8.hpp"
+
 namespace smaservo::hal {
 namespace {
 
@@ -11,25 +13,6 @@ constexpr std::size_t looked_at = std::size_t{1} << 16;
 /// A socket of packets discards what does not fit.
 constexpr std::size_t block = std::size_t{1} << 20;
 constexpr std::size_t longest_line = std::size_t{1} << 20;
-
-void append_utf8(std::string& text, std::uint32_t c) {
-  const auto put = [&](std::uint32_t byte) { text += static_cast<char>(byte); };
-  if (c < 0x80) {
-    put(c);
-  } else if (c < 0x800) {
-    put(0xC0 | c >> 6U);
-    put(0x80 | (c & 0x3FU));
-  } else if (c < 0x10000) {
-    put(0xE0 | c >> 12U);
-    put(0x80 | (c >> 6U & 0x3FU));
-    put(0x80 | (c & 0x3FU));
-  } else {
-    put(0xF0 | c >> 18U);
-    put(0x80 | (c >> 12U & 0x3FU));
-    put(0x80 | (c >> 6U & 0x3FU));
-    put(0x80 | (c & 0x3FU));
-  }
-}
 
 std::vector<std::string_view> lines_of(std::string_view text) {
   std::vector<std::string_view> lines;
@@ -94,9 +77,9 @@ void Utf8Text::decode(std::string& text) {
     const bool high = 0xD800 <= unit && unit < 0xDC00;
     const bool low = 0xDC00 <= unit && unit < 0xE000;
     if (low && high_ != 0) {
-      append_utf8(text, 0x10000 + ((high_ - 0xD800) << 10U) + (unit - 0xDC00));
+      put_utf8(text, 0x10000 + ((high_ - 0xD800) << 10U) + (unit - 0xDC00));
     } else if (!high) {
-      append_utf8(text, low ? unknown : unit);
+      put_utf8(text, low ? unknown : unit);
     }
     high_ = high ? unit : 0;
   }

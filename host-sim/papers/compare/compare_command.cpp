@@ -167,10 +167,7 @@ void add_compare_command(CLI::App& app) {
       ->add_option("--set", a->settings,
                    "key=value of the wire, such as wire.length_mm=120; repeatable")
       ->allow_extra_args(false);
-  command
-      ->add_option("--column", a->columns,
-                   "NAME=COLUMN or NAME=COLUMN*FACTOR: reads NAME from this column; repeatable")
-      ->allow_extra_args(false);
+  command->add_option("--column", a->columns, column_help)->allow_extra_args(false);
   command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
   command->add_option("--load-N", a->load_N, "load of runs without a load, N");
   command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")

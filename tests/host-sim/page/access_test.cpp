@@ -45,7 +45,7 @@ const Case cases[] = {
      403},
     {"127.0.0.1:8765", false, {"127.0.0.1:8765", "https://allowed.example", "", ""}, 200},
     {"127.0.0.1:8765", false, {"evil.example", "https://allowed.example", "", ""}, 403},
-    // No host.
+    // The Host header is empty, or is no valid host name.
     {"127.0.0.1:8765", false, {"", "", "", ""}, 400},
     {"127.0.0.1:8765", false, {"localhost\r\nx: y", "", "", ""}, 400},
     {"127.0.0.1:8765", false, {"local host", "", "", ""}, 400},
