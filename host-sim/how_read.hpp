@@ -20,16 +20,20 @@ inline void say_how_read(const std::string& path, const hal::TraceReader& trace)
   }
 }
 
-/// After the last row: says how often the header stood again among the rows.
+/// After the last row: says how often the header stood again among the rows, and how many lines
+/// were no rows.
 inline void say_what_was_skipped(const std::string& path, const hal::TraceReader& trace) {
-  const std::uint64_t headers = trace.repeated_headers();
-  if (headers > 0) {
-    files::complain(
-        "host-sim",
-        fmt::format("{}: {} among the rows {} skipped", path == "-" ? "standard input" : path,
-                    headers == 1 ? "1 header" : fmt::format("{} headers", headers),
-                    headers == 1 ? "was" : "were"));
-  }
+  const std::string name = path == "-" ? "standard input" : path;
+  const auto say = [&](std::uint64_t count, const char* one, const char* many,
+                       const std::string& first) {
+    if (count > 0) {
+      files::complain("host-sim",
+                      fmt::format("{}: {} {} among the rows {} skipped{}", name, count,
+                                  count == 1 ? one : many, count == 1 ? "was" : "were", first));
+    }
+  };
+  say(trace.repeated_headers(), "header", "headers", "");
+  say(trace.strays(), "line that is no row", "lines that are no rows", "; " + trace.first_stray());
 }
 
 }  // namespace smaservo

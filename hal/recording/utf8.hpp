@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace smaservo::hal {
 
@@ -23,6 +25,41 @@ inline void put_utf8(std::string& to, std::uint32_t code) {
     byte(0x80 | (code >> 6U & 0x3FU));
     byte(0x80 | (code & 0x3FU));
   }
+}
+
+/// Whether each byte above 7Fh belongs to a character of two to four bytes.
+inline bool is_utf8(std::string_view text) {
+  std::size_t expected = 0;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool continues = 0x80 <= byte && byte < 0xC0;
+    if (continues != (expected > 0)) {
+      return false;
+    }
+    expected = continues     ? expected - 1
+               : byte < 0x80 ? 0
+               : byte < 0xC2 ? 4
+               : byte < 0xE0 ? 1
+               : byte < 0xF0 ? 2
+               : byte < 0xF5 ? 3
+                             : 4;
+    if (expected == 4) {
+      return false;
+    }
+  }
+  return expected == 0;
+}
+
+/// The text in UTF-8; one that is not is taken for Latin-1, where a byte is a character.
+inline std::string utf8_of(std::string_view text) {
+  if (is_utf8(text)) {
+    return std::string(text);
+  }
+  std::string utf8;
+  for (const char c : text) {
+    put_utf8(utf8, static_cast<unsigned char>(c));
+  }
+  return utf8;
 }
 
 }  // namespace smaservo::hal

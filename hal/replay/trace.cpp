@@ -239,6 +239,10 @@ struct TraceReader::Impl {
       said_cut_off = true;
       complain(source->cut_off());
     }
+    if (source->strays() > rows) {
+      fail(fmt::format("{} of {} lines are no rows, more than half; {}", source->strays(),
+                       source->strays() + rows, files::printable(source->first_stray())));
+    }
     if (options.lenient && skipped > rows) {
       throw TraceError(fmt::format("{}: {} of {} rows are bad, more than half; {}", path, skipped,
                                    skipped + rows, complaints.front()));
@@ -285,6 +289,12 @@ const std::string& TraceReader::name(Column column) const {
 const std::vector<std::string>& TraceReader::names() const {
   return impl_->columns->names();
 }
+std::string TraceReader::own_name(std::size_t column) const {
+  return impl_->columns->own_name(column);
+}
+double TraceReader::scale(std::size_t column) const {
+  return impl_->columns->scale(column);
+}
 const std::vector<std::size_t>& TraceReader::unknown() const {
   return impl_->columns->unknown();
 }
@@ -308,6 +318,12 @@ const std::vector<std::string>& TraceReader::complaints() const {
 }
 std::uint64_t TraceReader::repeated_headers() const {
   return impl_->repeated + impl_->source->repeated_headers();
+}
+std::uint64_t TraceReader::strays() const {
+  return impl_->source->strays();
+}
+std::string TraceReader::first_stray() const {
+  return impl_->source->first_stray();
 }
 std::string TraceReader::read_as() const {
   const std::string layout = impl_->source->layout();

@@ -90,6 +90,10 @@ class TraceReader {
   const std::string& name(Column column) const;
   /// The names of all columns, as read.
   const std::vector<std::string>& names() const;
+  /// The name of a column in this project's dialect, "current_mA" for 'I [mA]', and the factor that
+  /// its numbers then need; the file's own name where it is not understood.
+  std::string own_name(std::size_t column) const;
+  double scale(std::size_t column) const;
   /// Positions of the columns that are not understood, to be copied.
   const std::vector<std::size_t>& unknown() const;
 
@@ -107,6 +111,11 @@ class TraceReader {
   const std::vector<std::string>& complaints() const;
   /// Headers that came again among the rows, and were skipped.
   std::uint64_t repeated_headers() const;
+  /// Lines among the rows of another program's table that are none, as a microcontroller's
+  /// messages; they were skipped. More of them than rows are an error.
+  std::uint64_t strays() const;
+  /// The first of them: "line 17: 'ets Jun  8 2016'"; empty: there are none.
+  std::string first_stray() const;
   /// How the table of another program was read: "separated by semicolons, names in line 3; time =
   /// column 1 'Time [s]' in s; ..."; empty where the file is of this project's dialect.
   std::string read_as() const;

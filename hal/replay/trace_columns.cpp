@@ -150,6 +150,7 @@ TraceColumns::TraceColumns(std::string_view header, const TraceOptions& options,
     }
   }
   recognise();
+  take_resistance();
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (targets_[i].value == column_count) {
       unknown_.push_back(i);
@@ -171,6 +172,36 @@ bool TraceColumns::is_own_header(std::string_view line) {
   return false;
 }
 
+/// Where there is a current and no voltage, a resistance tells the voltage: U = R I.
+void TraceColumns::take_resistance() {
+  constexpr auto ohm = static_cast<std::size_t>(Column::resistance);
+  if (options_.device || has(Column::voltage) || !has(Column::current)) {
+    return;
+  }
+  if (!options_.resistance_and_power) {
+    options_.resistance_and_power = true;
+    for (std::size_t i = 0; i < names_.size() && !has_[ohm]; ++i) {
+      const auto unit = unit_of(names_[i], known_columns[ohm].base, known_columns[ohm].kind);
+      const auto meaning = meaning_of(names_[i]);
+      if (targets_[i].value == column_count && unit) {
+        targets_[i] = {ohm, *unit, 1};
+        has_[ohm] = true;
+      } else if (targets_[i].value == column_count && meaning && meaning->base == "resistance" &&
+                 !meaning->unit.empty()) {
+        take(i, *meaning);
+      }
+    }
+    options_.resistance_and_power = false;
+  }
+  voltage_of_resistance_ = has_[ohm];
+  has_[static_cast<std::size_t>(Column::voltage)] = has_[ohm];
+  if (voltage_of_resistance_) {
+    const std::size_t i = position(Column::resistance);
+    recognised_ += fmt::format("{}voltage = current times the resistance of column {} '{}'",
+                               recognised_.empty() ? "" : "; ", i + 1, names_[i]);
+  }
+}
+
 /// Takes columns by their meaning where the file has none by name. Where two may be the same
 /// quantity, or a unit is missing, none is taken.
 void TraceColumns::recognise() {
@@ -190,21 +221,34 @@ void TraceColumns::recognise() {
     }
   }
   for (const std::vector<Found>& all : found) {
-    if (all.size() == 1 && !all[0].meaning.unit.empty()) {
+    const bool certain = all.size() == 1 && all[0].meaning.doubt.empty();
+    if (certain && !all[0].meaning.unit.empty()) {
       take(all[0].column, all[0].meaning);
       continue;
     }
     for (const auto& [i, meaning] : all) {
-      const bool one_of_several = all.size() > 1;
-      hints_.push_back(fmt::format(
-          "column {} ('{}') {} {}, {}: --column {}={}:{}", i + 1, names_[i],
-          one_of_several ? "is one of several that may be the" : "may be the", meaning.base,
-          one_of_several ? "so say which" : "but its name has no unit; say which", meaning.base,
-          i + 1,
-          meaning.unit.empty() ? known_columns[index_of(meaning.base)].kind.front().suffix
-                               : meaning.unit));
+      hint(i, meaning, all.size() > 1);
     }
   }
+}
+
+void TraceColumns::hint(std::size_t i, const Meaning& meaning, bool one_of_several) {
+  const std::string_view unit = meaning.unit.empty()
+                                    ? known_columns[index_of(meaning.base)].kind.front().suffix
+                                    : meaning.unit;
+  const std::string why = one_of_several           ? "so say which"
+                          : !meaning.doubt.empty() ? fmt::format("but {}; say which", meaning.doubt)
+                                                   : "but its name has no unit; say which";
+  std::string other;
+  if (meaning.base == "displacement") {
+    other = fmt::format(", or --column displacement_{}={}*-1 if it falls there", unit, i + 1);
+  } else if (meaning.base == "temperature") {
+    other = fmt::format(", or --column ambient={}:{}", i + 1, unit);
+  }
+  hints_.push_back(fmt::format("column {} ('{}') {} {}, {}: --column {}={}:{}{}", i + 1, names_[i],
+                               one_of_several ? "is one of several that may be the" : "may be the",
+                               meaning.base, why, meaning.base, i + 1, unit,
+                               meaning.doubt.empty() ? "" : other));
 }
 
 void TraceColumns::take(std::size_t i, const Meaning& meaning) {
@@ -218,7 +262,20 @@ void TraceColumns::take(std::size_t i, const Meaning& meaning) {
                              meaning.base, i + 1, names_[i], meaning.written);
 }
 
+std::string TraceColumns::own_name(std::size_t i) const {
+  const Target& target = targets_[i];
+  if (target.value == column_count) {
+    return names_[i];
+  }
+  const std::string_view base = known_columns[target.value].base;
+  return target.unit.suffix.empty() ? std::string(base)
+                                    : fmt::format("{}_{}", base, target.unit.suffix);
+}
+
 std::size_t TraceColumns::position(Column column) const {
+  if (column == Column::voltage && voltage_of_resistance_) {
+    column = Column::resistance;
+  }
   const auto found = std::ranges::find(targets_, static_cast<std::size_t>(column), &Target::value);
   return static_cast<std::size_t>(found - targets_.begin());
 }
@@ -356,6 +413,17 @@ BadRow TraceColumns::out_of_range(std::size_t i, const std::string& field) const
   } else if (column.kind.size() > 1) {
     text += fmt::format("; per cent are {}_percent", column.base);
   }
+  double value = 0;
+  const auto [at, error] = std::from_chars(field.data() + 1, field.data() + field.size(), value);
+  for (const Unit& other : column.kind) {
+    const double si = other.to_si(value);
+    if (error == std::errc{} && !unit.suffix.empty() && other.suffix != unit.suffix &&
+        si >= column.low && si <= column.high) {
+      text += fmt::format("; if it is in {}: --column {}={}:{}", other.suffix, column.base, i + 1,
+                          other.suffix);
+      break;
+    }
+  }
   return {i, text};
 }
 
@@ -392,6 +460,10 @@ std::optional<BadRow> TraceColumns::parse(std::string_view text, TraceRow& row) 
       return BadRow{i, wrong_count(text)};
     }
     at = comma + 1;
+  }
+  if (voltage_of_resistance_) {
+    row.values[static_cast<std::size_t>(Column::voltage)] =
+        row[Column::current] * row[Column::resistance];
   }
   return std::nullopt;
 }

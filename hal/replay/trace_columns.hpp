@@ -38,6 +38,10 @@ class TraceColumns {
   /// The columns whose meaning was found by other names: "current = column 3 'I [mA]' in mA; ...";
   /// empty: there are none.
   const std::string& recognised() const { return recognised_; }
+  /// The name of a column in this project's dialect, "current_mA" for 'I [mA]', and the factor that
+  /// its numbers then need; the file's own name where it is not understood.
+  std::string own_name(std::size_t i) const;
+  double scale(std::size_t i) const { return targets_[i].scale; }
   /// What columns may mean that were not taken, and what to type: one sentence each.
   const std::vector<std::string>& hints() const { return hints_; }
 
@@ -56,7 +60,9 @@ class TraceColumns {
   std::string known_names() const;
   void explain(std::size_t i, const std::string& name);
   void recognise();
+  void take_resistance();
   void take(std::size_t i, const Meaning& meaning);
+  void hint(std::size_t i, const Meaning& meaning, bool one_of_several);
   std::optional<std::size_t> find_column(const std::string& column) const;
   bool apply_unit(const std::string& rename, const std::string& name, const std::string& column);
   BadRow out_of_range(std::size_t i, const std::string& field) const;
@@ -68,6 +74,7 @@ class TraceColumns {
   std::vector<Target> targets_;
   std::vector<std::size_t> unknown_;
   std::array<bool, column_count> has_{};
+  bool voltage_of_resistance_ = false;
   std::string recognised_;
   std::vector<std::string> hints_;
 };

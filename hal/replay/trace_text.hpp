@@ -33,6 +33,9 @@ class TraceText {
   std::string layout() const { return sheet_ && sheet_->is_foreign() ? sheet_->said() : ""; }
   /// Headers in the middle of the table, which are skipped.
   std::uint64_t repeated_headers() const { return sheet_ ? sheet_->repeated() : 0; }
+  /// Lines among the rows of another program's table that are none, and the first of them.
+  std::uint64_t strays() const { return sheet_ ? sheet_->strays() : 0; }
+  std::string first_stray() const { return sheet_ ? sheet_->first_stray() : ""; }
   /// After the end: where an unfinished MCAP file ends; empty if it was finished.
   std::string cut_off() const { return mcap_ ? mcap_->cut_off() : ""; }
   std::uint64_t bytes() const { return bytes_; }  ///< bytes of the file read so far

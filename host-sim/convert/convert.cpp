@@ -17,6 +17,8 @@
 #include "hal/recording/mcap/rows_reader.hpp"
 #include "hal/recording/mcap/rows_writer.hpp"
 #include "hal/recording/trace_file.hpp"
+#include "host-sim/convert/own_rows.hpp"
+#include "host-sim/how_read.hpp"
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 #include "model/units.hpp"
@@ -110,8 +112,9 @@ class McapSink {
   files::OutputFile& file_;
 };
 
-/// Calls `take` with the pieces of the file's text.
-void each_piece(Input& input, const std::function<void(std::string_view)>& take) {
+/// Calls `take` with the pieces of a text, which an Input or OwnRows gives.
+template <class Text>
+void each_piece(Text& input, const std::function<void(std::string_view)>& take) {
   std::vector<char> buffer(block);
   for (std::size_t got = 0; (got = input.read(buffer.data(), buffer.size())) > 0;) {
     take({buffer.data(), got});
@@ -148,7 +151,8 @@ struct SurveyedColumns {
   }
 };
 
-SurveyedColumns survey(Input& input) {
+template <class Text>
+SurveyedColumns survey(Text& input) {
   constexpr std::size_t longest_line = std::size_t{1} << 20U;  // a longer line will be refused
   std::string rest, header;
   SurveyedColumns found;
@@ -229,6 +233,45 @@ Converted from_csv(const ConvertOptions& options, const std::string& source, Inp
   return result;
 }
 
+/// Another program's table: its rows in this project's dialect.
+Converted from_foreign(const ConvertOptions& options, const std::string& source,
+                       files::OutputFile& file) {
+  OwnRows rows(options.in, options.renames);
+  say_how_read(options.in, rows.trace());
+  Converted result;
+  if (hal::is_mcap_name(options.out)) {
+    OwnRows surveyed(options.in, options.renames);
+    const SurveyedColumns columns = survey(surveyed);
+    check_header(columns.names);
+    McapSink sink(options, source, file, columns.kinds());
+    each_piece(rows, [&](std::string_view piece) { sink.write(piece); });
+    result = sink.commit();
+    const std::vector<std::string> texts = columns.remarks();
+    result.remarks.insert(result.remarks.end(), texts.begin(), texts.end());
+  } else {
+    each_piece(rows, [&](std::string_view piece) { file.write(piece); });
+    file.commit();
+    result = {rows.trace().rows(), rows.trace().names().size(), "", {}};
+  }
+  say_what_was_skipped(options.in, rows.trace());
+  const std::vector<std::string>& complaints = rows.trace().complaints();
+  result.remarks.insert(result.remarks.end(), complaints.begin(), complaints.end());
+  return result;
+}
+
+/// Whether a file is a table that this project did not write. One that no trace can be read from is
+/// left to the conversion of CSV, whose messages say more of it.
+bool is_foreign(const ConvertOptions& options) {
+  try {
+    return OwnRows(options.in, options.renames).is_foreign();
+  } catch (const files::Error&) {
+    if (!options.renames.empty()) {
+      throw;
+    }
+    return false;
+  }
+}
+
 Converted from_mcap(const ConvertOptions& options, const std::string& source, Input& input,
                     files::OutputFile& file) {
   mcap::RowsReader rows([&](char* to, std::size_t size) { return input.read(to, size); },
@@ -274,6 +317,9 @@ Converted convert(const ConvertOptions& options) {
     Input input(options.in);
     if (!input.is_mcap() && hal::is_mcap_name(options.in)) {
       throw mcap::Malformed(0, "is no MCAP file: must begin with 89 4D 43 41 50 30 0D 0A");
+    }
+    if (!input.is_mcap() && input.rewinds() && is_foreign(options)) {
+      return from_foreign(options, source, file);
     }
     return input.is_mcap() ? from_mcap(options, source, input, file)
                            : from_csv(options, source, input, file);

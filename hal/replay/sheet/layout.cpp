@@ -104,25 +104,37 @@ struct Reading {
   char separator, decimal;
   std::size_t columns = 0;       ///< of the longest run of rows
   double rows = 0, numbers = 0;  ///< of it: rows, and the share of numbers in their fields
-  std::size_t first = 0;         ///< number of the first row's line
+  bool begins_with_number = false;
+  std::size_t first = 0;  ///< number of the first row's line
 };
 
 struct Counted {
   std::size_t fields, numbers;
+  bool begins_with_number;
 };
+
+/// At least two numbers, and a third of the fields.
+bool enough_numbers(const Counted& line) {
+  return line.numbers >= 2 && 3 * line.numbers >= line.fields;
+}
+
+Counted count_numbers(const std::vector<std::string>& fields, char decimal) {
+  const auto is_number = [&](const std::string& field) {
+    return plain_number(field, decimal).has_value();
+  };
+  return {fields.size(), static_cast<std::size_t>(std::ranges::count_if(fields, is_number)),
+          !fields.empty() && is_number(fields.front())};
+}
 
 Counted count(std::string_view line, const Reading& how, std::vector<std::string>& fields) {
   split_sheet_line(line, how.separator, fields);
   if (fields.size() > 1 && fields.back().empty()) {
     fields.pop_back();
   }
-  const auto numbers = std::ranges::count_if(fields, [&](const std::string& field) {
-    return plain_number(field, how.decimal).has_value();
-  });
-  return {fields.size(), static_cast<std::size_t>(numbers)};
+  return count_numbers(fields, how.decimal);
 }
 
-/// A row has as many fields as its neighbours, and at least two numbers and a third of numbers.
+/// A row has as many fields as its neighbours, and enough numbers.
 void read_lines(const std::vector<std::string_view>& lines, Reading& how) {
   std::vector<std::string> fields;
   std::size_t run = 0;
@@ -133,7 +145,7 @@ void read_lines(const std::vector<std::string_view>& lines, Reading& how) {
       continue;
     }
     const Counted now = count(line, how, fields);
-    const bool is_row = now.numbers >= 2 && 3 * now.numbers >= now.fields;
+    const bool is_row = enough_numbers(now);
     if (!is_row || now.fields != columns) {
       run = numbers = 0;
     }
@@ -144,6 +156,7 @@ void read_lines(const std::vector<std::string_view>& lines, Reading& how) {
       if (static_cast<double>(run) > how.rows) {
         how.rows = static_cast<double>(run);
         how.columns = columns;
+        how.begins_with_number = now.begins_with_number;
         how.numbers = static_cast<double>(numbers) / static_cast<double>(run * columns);
       }
     }
@@ -155,7 +168,8 @@ void find_first(const std::vector<std::string_view>& lines, Reading& how) {
   std::vector<std::string> fields;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const Counted now = count(lines[i], how, fields);
-    if (now.fields == how.columns && now.numbers >= 2 && 3 * now.numbers >= now.fields) {
+    if (now.fields == how.columns && enough_numbers(now) &&
+        now.begins_with_number == how.begins_with_number) {
       how.first = i + 1;
       return;
     }
@@ -230,6 +244,12 @@ void find_names(const std::vector<std::string_view>& lines, SheetLayout& layout)
 
 }  // namespace
 
+bool is_sheet_row(const std::vector<std::string>& fields, const SheetLayout& layout) {
+  const Counted line = count_numbers(fields, layout.decimal);
+  return line.fields == layout.columns && 3 * line.numbers >= line.fields &&
+         line.begins_with_number == layout.begins_with_number;
+}
+
 void split_sheet_line(std::string_view line, char separator, std::vector<std::string>& fields) {
   fields.clear();
   std::string field;
@@ -301,7 +321,14 @@ std::optional<SheetLayout> find_layout(const std::vector<std::string_view>& line
     return std::nullopt;
   }
   find_first(lines, *best);
-  SheetLayout layout{best->separator, best->decimal, best->columns, 0, 0, best->first, {}};
+  SheetLayout layout{best->separator,
+                     best->decimal,
+                     best->columns,
+                     0,
+                     0,
+                     best->first,
+                     best->begins_with_number,
+                     {}};
   find_names(lines, layout);
   return layout;
 }

@@ -17,6 +17,7 @@ struct SheetLayout {
   std::size_t header = 0;          ///< number of the line of names, from 1; 0: there is none
   std::size_t units = 0;           ///< number of the line of units; 0: there is none
   std::size_t first = 0;           ///< number of the first row's line
+  bool begins_with_number = true;  ///< a row
   std::vector<std::string> names;  ///< with their units, as "I [mA]"; "1", "2" without a header
 
   /// Whether the reader's own dialect is the same: comma, point, names in the first line.
@@ -24,6 +25,10 @@ struct SheetLayout {
     return separator == ',' && decimal == '.' && header == 1 && units == 0 && first == 2;
   }
 };
+
+/// Whether the fields of a line may be those of a row: as many as the header has, a third of
+/// them numbers, and a number first where the other rows begin with one.
+bool is_sheet_row(const std::vector<std::string>& fields, const SheetLayout& layout);
 
 /// Splits a line into its fields, without blanks around them; quotes keep a separator and are
 /// taken off.

@@ -25,14 +25,18 @@ constexpr auto time_units = std::to_array<WrittenUnit>({{"s", "s"},
                                                         {"us", "us"},
                                                         {"usec", "us"},
                                                         {"micros", "us"},
-                                                        {"min", "s", 60}});
-constexpr auto current_units =
-    std::to_array<WrittenUnit>({{"A", "A"}, {"Amp", "A"}, {"mA", "mA"}, {"uA", "mA", 1e-3}});
-constexpr auto voltage_units =
-    std::to_array<WrittenUnit>({{"V", "V"}, {"Volt", "V"}, {"mV", "mV"}, {"uV", "mV", 1e-3}});
+                                                        {"min", "s", 60},
+                                                        {"X_Value", "s"}});  // of LabVIEW
+constexpr auto current_units = std::to_array<WrittenUnit>(
+    {{"A", "A"}, {"Amp", "A"}, {"Amps", "A"}, {"Ampere", "A"}, {"mA", "mA"}, {"uA", "mA", 1e-3}});
+constexpr auto voltage_units = std::to_array<WrittenUnit>(
+    {{"V", "V"}, {"Volt", "V"}, {"Volts", "V"}, {"mV", "mV"}, {"uV", "mV", 1e-3}});
 constexpr auto force_units = std::to_array<WrittenUnit>({{"N", "N"},
                                                          {"mN", "mN"},
                                                          {"kN", "N", 1e3},
+                                                         {"Newton", "N"},
+                                                         {"gram", "gf"},
+                                                         {"grams", "gf"},
                                                          {"g", "gf"},
                                                          {"gf", "gf"},
                                                          {"kg", "gf", 1e3},
@@ -51,26 +55,52 @@ constexpr auto strain_units =
 struct Quantity {
   std::string_view base;
   std::span<const WrittenUnit> units;
-  std::array<std::string_view, 12> names;  ///< in lower case, without blanks and underscores
+  std::array<std::string_view, 16> names;  ///< in lower case, without blanks and underscores
+};
+
+struct Doubtful {
+  Quantity quantity;
+  std::string_view why;
 };
 
 constexpr auto quantities = std::to_array<Quantity>({
     {"time",
      time_units,
-     {"t", "time", "zeit", "elapsedtime", "elapsed", "timestamp", "xvalue", "millis", "micros"}},
-    {"current", current_units, {"i", "current", "strom", "iwire", "wirecurrent", "courant"}},
+     {"t", "time", "zeit", "elapsedtime", "elapsed", "timestamp", "xvalue", "millis", "micros",
+      "seconds", "datetime", "date/time", "zeitstempel", "temps", "tempo", "clock"}},
+    {"current",
+     current_units,
+     {"i", "current", "strom", "iwire", "wirecurrent", "courant", "amps", "ampere", "imeas",
+      "isense", "corrente", "corriente"}},
     {"voltage",
      voltage_units,
-     {"u", "v", "voltage", "spannung", "uwire", "vwire", "wirevoltage", "vsense", "tension"}},
-    {"load", force_units, {"f", "force", "kraft", "load", "last", "loadcell", "tensileforce"}},
-    {"stress", stress_units, {"sigma", "stress"}},
-    {"temperature", temperature_units, {"wiretemperature", "twire", "drahttemperatur"}},
+     {"u", "v", "voltage", "spannung", "uwire", "vwire", "wirevoltage", "vsense", "tension",
+      "volts", "vmeas", "umeas", "usense", "tensione"}},
+    {"load",
+     force_units,
+     {"f", "force", "kraft", "load", "last", "loadcell", "tensileforce", "pull", "zugkraft",
+      "weight", "gewicht", "fload"}},
+    {"stress", stress_units, {"sigma", "stress", "spannungmechanisch", "tensilestress"}},
+    {"temperature", temperature_units, {"wiretemperature", "wiretemp", "twire", "drahttemperatur"}},
     {"ambient",
      temperature_units,
-     {"ambient", "ambienttemperature", "tamb", "tambient", "roomtemperature", "umgebungstemperatur",
-      "raumtemperatur"}},
-    {"displacement", length_units, {"disp", "displacement", "weg", "stroke", "contraction"}},
+     {"ambient", "ambienttemperature", "ambienttemp", "tamb", "tambient", "roomtemperature",
+      "umgebungstemperatur", "raumtemperatur"}},
+    {"displacement", length_units, {"disp", "displacement", "weg", "stroke", "contraction", "hub"}},
     {"resistance", resistance_units, {"r", "resistance", "widerstand", "rwire"}},
+});
+
+/// Names that leave open what is meant.
+const auto doubtful = std::to_array<Doubtful>({
+    {{"displacement",
+      length_units,
+      {"position", "pos", "x", "lvdt", "laser", "laserdistance", "extension", "elongation",
+       "distance", "abstand", "length", "dehnweg"}},
+     "whether it grows or falls where the wire gets shorter is not told"},
+    {{"temperature",
+      temperature_units,
+      {"temperature", "temp", "temperatur", "thermocouple", "tc"}},
+     "whether it is that of the wire or of the air (ambient) is not told"},
 });
 
 constexpr auto others_units = std::to_array<std::string_view>(
@@ -150,35 +180,56 @@ NameAndUnit split(std::string_view text) {
   return {text, {}};
 }
 
+bool has_name(const Quantity& quantity, const std::string& plain) {
+  return !plain.empty() && std::ranges::find(quantity.names, plain) != quantity.names.end();
+}
+
 const Quantity* find_quantity(std::string_view name) {
   const std::string plain = plain_name(name);
+  // A logger counts its channels: `Voltage_0`.
+  const std::string unnumbered = plain.substr(0, plain.find_last_not_of("0123456789") + 1);
   for (const Quantity& quantity : quantities) {
-    if (!plain.empty() && std::ranges::find(quantity.names, plain) != quantity.names.end()) {
+    if (has_name(quantity, plain) ||
+        (has_name(quantity, unnumbered) && quantity.base != "resistance")) {
       return &quantity;
     }
   }
   return nullptr;
 }
 
+std::optional<Meaning> doubtful_meaning(std::string_view name, const NameAndUnit& parts) {
+  for (const auto& [quantity, why] : doubtful) {
+    const WrittenUnit* unit = find_unit(quantity.units, plain_unit(parts.unit));
+    const bool whole = has_name(quantity, plain_name(name));
+    if (whole || (unit != nullptr && has_name(quantity, plain_name(parts.name)))) {
+      return unit == nullptr || whole
+                 ? Meaning{quantity.base, {}, 1, {}, why}
+                 : Meaning{quantity.base, unit->own, unit->scale, std::string(parts.unit), why};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Meaning> meaning_of(std::string_view name) {
-  const auto [before, behind] = split(name);
+  const NameAndUnit parts = split(name);
+  const auto& [before, behind] = parts;
   if (const Quantity* quantity = find_quantity(before); quantity != nullptr && !behind.empty()) {
     const WrittenUnit* unit = find_unit(quantity->units, plain_unit(behind));
     if (unit != nullptr) {
-      return Meaning{quantity->base, unit->own, unit->scale, std::string(behind)};
+      return Meaning{quantity->base, unit->own, unit->scale, std::string(behind), {}};
     }
   }
   const Quantity* quantity = find_quantity(name);
   if (quantity == nullptr) {
-    return std::nullopt;
+    return doubtful_meaning(name, parts);
   }
   // The names of an Arduino's clocks are units, too.
   const WrittenUnit* clock = find_unit(quantity->units, plain_name(name));
   return clock != nullptr && clock->written.size() > 2
-             ? Meaning{quantity->base, clock->own, clock->scale, std::string(trimmed(name))}
-             : Meaning{quantity->base, {}, 1, {}};
+             ? Meaning{quantity->base, clock->own, clock->scale, std::string(trimmed(name)), {}}
+             : Meaning{quantity->base, {}, 1, {}, {}};
 }
 
 bool is_unit_field(std::string_view text) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "hal/recording/utf8.hpp"
+#include "hal/replay/sheet/meaning.hpp"
 
 namespace smaservo::hal {
 namespace {
@@ -106,6 +107,11 @@ CsvOfSheet::CsvOfSheet(Utf8Text::Read read, bool (*is_own_header)(std::string_vi
     return;
   }
   layout_ = *layout;
+  for (std::string& name : layout_.names) {
+    latin_ = latin_ || !is_utf8(name);
+    name = utf8_of(name);
+  }
+  name_clock(lines[layout_.first - 1]);
   header_ = layout_.header == 0 ? "" : std::string(lines[layout_.header - 1]);
   header_lines_ = layout_.first - 1;
   for (std::size_t i = 1; i < layout_.first; ++i) {
@@ -165,8 +171,32 @@ std::size_t CsvOfSheet::read(char* to, std::size_t room) {
   return part;
 }
 
-/// Comments and headers in the middle become empty lines, which the reader skips.
+/// A column of the time whose rows are clocks needs no unit in its name.
+void CsvOfSheet::name_clock(std::string_view row) {
+  split_sheet_line(row, layout_.separator, fields_);
+  for (std::size_t i = 0; i < std::min(fields_.size(), layout_.names.size()); ++i) {
+    const auto meaning = meaning_of(layout_.names[i]);
+    if (meaning && meaning->base == "time" && meaning->unit.empty() &&
+        fields_[i].find(':') != std::string::npos &&
+        plain_number(fields_[i], layout_.decimal).has_value()) {
+      layout_.names[i] += " [s]";
+    }
+  }
+}
+
+void CsvOfSheet::skip_stray(std::string_view line) {
+  constexpr std::size_t shown = 40;
+  if (++strays_ == 1) {
+    first_stray_ = fmt::format("line {}: '{}'", header_lines_ + lines_,
+                               utf8_of(line.substr(0, std::min(line.size(), shown))));
+  }
+  out_ = "\n";
+}
+
+/// Comments, headers in the middle and lines that are no rows become empty lines, which the reader
+/// skips.
 void CsvOfSheet::translate(std::string_view line, bool complete) {
+  ++lines_;
   const bool repeated = !header_.empty() && line == header_;
   repeated_ += repeated ? 1 : 0;
   if (repeated || line.empty() || line.starts_with('#') || line.starts_with('%')) {
@@ -176,6 +206,10 @@ void CsvOfSheet::translate(std::string_view line, bool complete) {
   split_sheet_line(line, layout_.separator, fields_);
   if (fields_.size() == layout_.columns + 1 && fields_.back().empty()) {
     fields_.pop_back();
+  }
+  if (complete && !is_sheet_row(fields_, layout_)) {
+    skip_stray(line);
+    return;
   }
   for (std::string& field : fields_) {
     if (const auto number = plain_number(field, layout_.decimal)) {
@@ -193,7 +227,7 @@ void CsvOfSheet::write(const std::vector<std::string>& fields) {
     out_ += i > 0 ? "," : "";
     // A comma within a text would end the field.
     const std::size_t from = out_.size();
-    out_ += fields[i];
+    out_ += utf8_of(fields[i]);
     std::replace(out_.begin() + static_cast<std::ptrdiff_t>(from), out_.end(), ',', ';');
   }
   out_ += '\n';
@@ -205,6 +239,7 @@ std::string CsvOfSheet::said() const {
   said += layout_.header == 0 ? ", no names" : fmt::format(", names in line {}", layout_.header);
   said += layout_.units == 0 ? "" : fmt::format(", units in line {}", layout_.units);
   said += text_.encoding().empty() ? "" : fmt::format(", {}", text_.encoding());
+  said += latin_ ? ", Latin-1" : "";
   return said;
 }
 

@@ -55,10 +55,16 @@ class CsvOfSheet {
   /// "separated by semicolons, decimal comma, names in line 23, UTF-16".
   std::string said() const;
   std::uint64_t repeated() const { return repeated_; }  ///< headers in the middle, skipped
+  /// Lines among the rows that are none, as the messages of a microcontroller; they are skipped.
+  std::uint64_t strays() const { return strays_; }
+  /// The first of them: "line 17: 'ets Jun  8 2016'"; empty: there are none.
+  const std::string& first_stray() const { return first_stray_; }
 
  private:
   bool next_line(std::string_view& line, bool& complete);
   void translate(std::string_view line, bool complete);
+  void skip_stray(std::string_view line);
+  void name_clock(std::string_view row);
   void write(const std::vector<std::string>& fields);
 
   Utf8Text text_;
@@ -69,7 +75,9 @@ class CsvOfSheet {
   SheetLayout layout_;
   std::uint64_t header_lines_ = 1;  ///< lines of the file up to the one that the header stands for
   std::string header_;              ///< as in the file
-  std::uint64_t repeated_ = 0;
+  std::uint64_t repeated_ = 0, strays_ = 0, lines_ = 0;  ///< lines_: translated
+  std::string first_stray_;
+  bool latin_ = false;  ///< the names are in Latin-1
   std::string out_;
   std::size_t given_ = 0;  ///< of out_
   std::vector<std::string> fields_;

@@ -194,7 +194,9 @@ TEST(TraceRows, BadOnesAreRefusedWithLineColumnAndName) {
       {"0.75, 0.2,4", "line 4, column 2 (current_A): ' 0.2' begins with a space or a plus sign"},
       {"0.75,0.2A,4", "line 4, column 2 (current_A): '0.2A' is not a finite number"},
       {"0.75,0.2,4;", "line 4, column 3 (voltage_V): '4;' is not a finite number"},
-      {"0.75,1000.1,4", "line 4, column 2 (current_A): '1000.1' is out of range, -1000 to 1000 A"},
+      {"0.75,1000.1,4",
+       "line 4, column 2 (current_A): '1000.1' is out of range, -1000 to 1000 A; if it is in mA: "
+       "--column current=2:mA"},
       {"0.5,0.2,4", "line 4, column 1 (time_s): time 0.5 s does not come after 0.5 s"},
       {"0.25,0.2,4", "line 4, column 1 (time_s): time 0.25 s does not come after 0.5 s"},
       {"\"0.75\",0.2,4", "line 4, column 1 (time_s): '\"0.75\"' is not a finite number"},

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "hal/replay/trace.hpp"
+
+namespace smaservo::convert {
+
+/// The rows of another program's table as CSV in this project's dialect: names as `current_mA`,
+/// numbers with a point, each field's text otherwise unchanged.
+class OwnRows {
+ public:
+  /// Throws TraceError where the file cannot be read or a row is bad.
+  OwnRows(const std::string& path, const std::vector<std::string>& renames);
+
+  /// Whether the file is not of this project's dialect already.
+  bool is_foreign() const { return !trace_.read_as().empty(); }
+  const hal::TraceReader& trace() const { return trace_; }
+  /// Returns the number of bytes; 0 at the end.
+  std::size_t read(char* to, std::size_t room);
+
+ private:
+  void add(const hal::TraceRow& row);
+
+  hal::TraceReader trace_;
+  std::string text_;
+  std::size_t given_ = 0;
+};
+
+}  // namespace smaservo::convert
