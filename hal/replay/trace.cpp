@@ -156,6 +156,7 @@ struct TraceReader::Impl {
       }
       std::optional<BadRow> bad = columns->parse(text, row);
       row.number = read++;
+      row.line = source->number(line);
       row.piece = 0;
       if (bad && text == header) {
         ++repeated;  // a logger that was restarted writes it again
@@ -282,6 +283,9 @@ bool TraceReader::timed() const {
 }
 bool TraceReader::has(Column column) const {
   return impl_->columns->has(column);
+}
+std::size_t TraceReader::position(Column column) const {
+  return impl_->columns->position(column);
 }
 const std::string& TraceReader::name(Column column) const {
   return impl_->columns->names().at(impl_->columns->position(column));

@@ -65,6 +65,7 @@ struct TraceRow {
   std::array<double, column_count> values;
   std::string_view text;  ///< the row as CSV without its line end; valid until the next row
   std::uint64_t number;   ///< number among all rows, including bad ones; the first is 0
+  std::uint64_t line;    ///< line of the file, or message of an MCAP file
   /// Number of times that the clock restarted before this row; times continue to rise.
   std::uint32_t piece;
 
@@ -86,6 +87,9 @@ class TraceReader {
   bool has(Column column) const;
   /// Whether the rows have times, from a column or the options' period.
   bool timed() const;
+  /// The position of a column that the trace has, from 0; for a voltage that comes from a resistance,
+  /// that column's.
+  std::size_t position(Column column) const;
   /// The name that a column of the trace has in the file.
   const std::string& name(Column column) const;
   /// The names of all columns, as read.

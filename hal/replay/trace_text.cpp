@@ -75,11 +75,13 @@ std::size_t TraceText::read(char* to, std::size_t room) {
                                 : sheet_->read_raw(to, room);
 }
 
+std::uint64_t TraceText::number(std::uint64_t line) const {
+  return mcap_ ? line - 1 : sheet_->is_foreign() ? sheet_->line_of(line) : line;
+}
+
 std::string TraceText::place(std::uint64_t line) const {
-  if (!mcap_) {
-    return fmt::format("line {}", sheet_->is_foreign() ? sheet_->line_of(line) : line);
-  }
-  return line == 1 ? "schema" : fmt::format("message {}", line - 1);
+  return mcap_ && line == 1 ? "schema"
+                            : fmt::format("{} {}", mcap_ ? "message" : "line", number(line));
 }
 
 }  // namespace smaservo::hal

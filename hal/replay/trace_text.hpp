@@ -29,6 +29,8 @@ class TraceText {
   bool is_mcap() const { return mcap_ != nullptr; }
   /// The name of a line of the text in messages; lines are counted from 1.
   std::string place(std::uint64_t line) const;
+  /// The number in it.
+  std::uint64_t number(std::uint64_t line) const;
   /// How another program's table is laid out; empty for a CSV file of this project's dialect.
   std::string layout() const { return sheet_ && sheet_->is_foreign() ? sheet_->said() : ""; }
   /// Headers in the middle of the table, which are skipped.

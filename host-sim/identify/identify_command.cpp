@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "firmware/text/settings_file.hpp"
+#include "host-sim/checks/findings.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"
 #include "model/files/error.hpp"
@@ -23,7 +24,7 @@ namespace {
 struct IdentifyArguments {
   std::vector<std::string> runs;
   std::string from{files::default_wire};
-  std::vector<std::string> settings, columns;
+  std::vector<std::string> settings, columns, allowed;
   std::string out, report;
   bool json = false;
   bool circuit = false;
@@ -103,6 +104,7 @@ std::vector<Run> read_runs(const IdentifyArguments& a, const Geometry<double>& g
     options.stress_Pa = 1e6 * *a.stress_MPa;
   }
   options.trace.renames = a.columns;
+  options.allowed = a.allowed;
   std::vector<Run> runs;
   runs.reserve(a.runs.size());
   for (const std::string& path : a.runs) {
@@ -187,6 +189,7 @@ void add_identify_command(CLI::App& app) {
   command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")
       ->excludes("--load-N");
   command->add_option("--column", a->columns, column_help)->allow_extra_args(false);
+  command->add_option("--allow", a->allowed, checks::allow_help)->allow_extra_args(false);
   command->callback([a] { run(*a); });
 }
 

@@ -8,6 +8,7 @@
 
 #include "firmware/bench/progress.hpp"
 #include "hal/replay/board.hpp"
+#include "host-sim/checks/findings.hpp"
 #include "host-sim/how_read.hpp"
 #include "host-sim/replay/estimate_file.hpp"
 #include "host-sim/replay/observers.hpp"
@@ -165,6 +166,18 @@ double default_load_N(const ReplayOptions& options, const hal::TraceReader& trac
       options.trace));
 }
 
+/// So many rows are kept for the checks: at 1 kHz a quarter of an hour.
+constexpr std::size_t most_checked = 1'000'000;
+
+void check_record(const ReplayOptions& options, checks::Recorder recorder, checks::RunKind kind,
+                  double lead_resistance_ohm) {
+  const std::string name = options.trace == "-" ? "standard input" : options.trace;
+  const Geometry<double>& geometry = options.wire.wire.geometry;
+  checks::Record record = recorder.finish(name, geometry);
+  record.kind = kind;
+  checks::refuse_mistakes(record, {geometry, lead_resistance_ohm}, options.allowed);
+}
+
 /// Temperature and stress are known: the kinetics alone, without heat balance or resistance.
 void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayResult& result) {
   using K = ThreePhase<double>;
@@ -178,7 +191,9 @@ void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayRes
   K::State state{};
   hal::TraceRow row{};
   std::uint32_t piece = 0;
+  checks::Recorder recorder(trace, most_checked);
   while (trace.next(row)) {
+    recorder.add(row);
     const double stress_Pa = trace.has(hal::Column::stress) ? row[hal::Column::stress]
                              : trace.has(hal::Column::load) ? row[hal::Column::load] / area_m2
                                                             : load_N / area_m2;
@@ -213,35 +228,9 @@ void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayRes
              row, point);
     progress.update(trace.bytes());
   }
+  check_record(options, std::move(recorder), checks::RunKind::bath, 0);
   sink.finish(trace);
 }
-
-/// Whether voltage and current have opposite signs, as where a shunt is wired the wrong way round.
-class Signs {
- public:
-  explicit Signs(double min_current_A) : min_current_A_(min_current_A) {}
-
-  void add(double current_A, double voltage_V) {
-    if (std::abs(current_A) >= min_current_A_ && voltage_V != 0) {
-      ++measured_;
-      opposite_ += (current_A > 0) == (voltage_V > 0) ? 0U : 1U;
-    }
-  }
-  void check(const std::string& name, const hal::TraceReader& trace) const {
-    if (2 * opposite_ > measured_) {
-      throw files::UserError(fmt::format(
-          "{}: {} and {} have opposite signs in {} of {} rows with current, so there is no "
-          "resistance; if the shunt or the sense leads are the wrong way round, --column "
-          "current_A={}*-1",
-          name, trace.name(hal::Column::current), trace.name(hal::Column::voltage), opposite_,
-          measured_, trace.name(hal::Column::current)));
-    }
-  }
-
- private:
-  double min_current_A_;
-  std::uint64_t measured_ = 0, opposite_ = 0;
-};
 
 using Observers = std::vector<std::unique_ptr<AnyObserver>>;
 
@@ -273,17 +262,17 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
     }
   }
   bench::Progress progress("replay", reader.file_size());
+  checks::Recorder recorder(reader, most_checked);
   hal::ReplayBoard board(std::move(reader), load_N, wire.geometry.area_m2());
   Observers observers;
   hal::Frame frame{};
   std::int64_t last_ns = 0;
   std::uint32_t piece = 0;
-  Signs signs(measurement.min_current_A);
   while (board.read(frame) == hal::ReadStatus::frame) {
     const Measurement<double> m =
         measure(measurement, Sample<double>{frame.current_A, frame.voltage_V, frame.load_N});
     const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
-    signs.add(frame.current_A, frame.voltage_V);
+    recorder.add(board.row());
     if (observers.empty() || dt_s > longest_gap_s || board.row().piece != piece) {
       piece = board.row().piece;
       if (!observers.empty()) {
@@ -316,7 +305,8 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
     }
     progress.update(board.trace().bytes());
   }
-  signs.check(options.trace, board.trace());
+  check_record(options, std::move(recorder), checks::RunKind::joule,
+               measurement.lead_resistance_ohm);
   sink.finish(board.trace());
 }
 

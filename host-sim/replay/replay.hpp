@@ -23,8 +23,9 @@ struct ReplayOptions {
   std::vector<files::Override> settings;         ///< of observer and measurement
   std::optional<double> load_N;                  ///< where the trace has neither load nor stress
   std::optional<double> stress_Pa;
-  std::optional<double> ambient_K;  ///< first guess; none: the trace's first value, or 25 °C
-  std::string out;                  ///< CSV, "-" for standard output; empty: none
+  std::optional<double> ambient_K;   ///< first guess; none: the trace's first value, or 25 °C
+  std::vector<std::string> allowed;  ///< checks of the trace that may fail
+  std::string out;                   ///< CSV, "-" for standard output; empty: none
 };
 
 struct ObserverResult {
@@ -50,8 +51,8 @@ struct ReplayResult {
   report::ReplaySeries series;
 };
 
-/// Throws UserError, TraceError; UserError also where most readings of current and voltage have
-/// opposite signs, since a negative resistance is meaningless.
+/// Throws UserError, TraceError; UserError also where the trace shows a mistake
+/// (host-sim/checks/findings.hpp) that is not allowed, or has no valid resistance at all.
 ReplayResult replay(const ReplayOptions& options);
 
 }  // namespace smaservo::replay

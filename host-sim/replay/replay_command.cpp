@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "firmware/text/settings_file.hpp"
+#include "host-sim/checks/findings.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/replay/replay.hpp"
 #include "host-sim/replay/report.hpp"
@@ -25,11 +26,11 @@ struct ReplayArguments {
   std::optional<double> period_s;
 };
 
-/// Throws NoResult where no estimate can be of use.
+/// Throws where no estimate can be of use.
 void check_result(const ReplayOptions& options, const ReplayResult& result) {
   const std::string name = options.trace == "-" ? "standard input" : options.trace;
   if (!result.open_loop && result.invalid == result.rows) {
-    throw files::NoResult(
+    throw files::UserError(
         fmt::format("{}: no row has a valid resistance, so the estimate follows the power alone; "
                     "are length and diameter of {} and the units of current and voltage right?",
                     name, options.wire.name));
@@ -117,6 +118,7 @@ void add_replay_command(CLI::App& app) {
   command->add_option("--period-s", a->period_s, "time between rows of a trace without time, s");
   command->add_option("--column", a->options.trace_options.renames, column_help)
       ->allow_extra_args(false);
+  command->add_option("--allow", a->options.allowed, checks::allow_help)->allow_extra_args(false);
   // Formerly the command replay-device; whoever still types it is told the new name.
   command
       ->add_option_function<std::string>(

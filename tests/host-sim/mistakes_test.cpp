@@ -99,14 +99,15 @@ TEST(Mistakes, AShuntTheWrongWayRoundIsSaid) {
   const Finished f = replayed(text);
   EXPECT_EQ(f.status, 1);
   EXPECT_EQ(f.out, "");
-  EXPECT_THAT(f.err, HasSubstr("current_A and voltage_V have opposite signs in 300 of 300 rows"));
-  EXPECT_THAT(f.err, HasSubstr("--column current_A=current_A*-1"));
+  EXPECT_THAT(f.err,
+              HasSubstr("voltage and current have opposite signs (a resistance of -25 ohm)"));
+  EXPECT_THAT(f.err, HasSubstr("--column current_A=2*-1"));
   EXPECT_EQ(replayed(text, {"--column", "current_A=current_A*-1"}).status, 0);
 }
 
-TEST(Mistakes, ARunWithoutAnyResistanceIsNoResult) {
-  const Finished f = replayed(Logged(0.2).text());
-  EXPECT_EQ(f.status, 3);
+TEST(Mistakes, ARunWithoutAnyResistanceIsRefused) {
+  const Finished f = replayed(Logged(0.2).text(), {"--allow", "resistivity"});
+  EXPECT_EQ(f.status, 1);
   EXPECT_THAT(f.err, HasSubstr("run.csv: no row has a valid resistance"));
   EXPECT_EQ(nlohmann::json::parse(f.out)["invalid_rows"], 300) << "the numbers are printed";
 }
@@ -146,6 +147,22 @@ TEST(Mistakes, ADateIsNoTimeInSeconds) {
   EXPECT_EQ(program.folder().names().size(), 1U) << "no file is left";
 }
 
+TEST(Mistakes, AnotherProgramsTableIsConvertedToOurDialect) {
+  std::string text = Logged().text();
+  std::ranges::replace(text, ',', ';');
+  text.replace(0, text.find('\n'), "t [ms];I [A];U [V];Kraft [N]");
+  Program program;
+  const Finished f = run_on(program, text, {"convert", "run.csv", "--out", "own.csv"});
+  ASSERT_EQ(f.status, 0) << f.err;
+  EXPECT_THAT(file_text(program.folder() / "own.csv"),
+              HasSubstr("time_ms,current_A,voltage_V,load_N\n0.00,0.050000,1.250000,0.68\n"));
+  EXPECT_THAT(f.err, HasSubstr("time = column 1 't [ms]' in ms"));
+  const Finished mcap = run_on(program, text, {"convert", "run.csv", "--out", "own.mcap"});
+  ASSERT_EQ(mcap.status, 0) << mcap.err;
+  EXPECT_EQ(program.run({"convert", "own.mcap", "--out", "-"}).out,
+            file_text(program.folder() / "own.csv"));
+}
+
 TEST(Mistakes, AFewWordsAmongNumbersAreLeftOutAndSaid) {
   Program program;
   const std::string text = Logged()
@@ -162,13 +179,11 @@ TEST(Mistakes, AFewWordsAmongNumbersAreLeftOutAndSaid) {
 }
 
 TEST(Mistakes, WhatIsNoTableOfNumbersIsNotConverted) {
-  std::string text = Logged().text();
-  std::ranges::replace(text, ',', ';');
   Program program;
-  const Finished f = converted(program, text);
+  const Finished f = converted(program, "time_s|current_A|voltage_V|load_N\n0|1|2|3\n1|1|2|3\n");
   EXPECT_EQ(f.status, 1);
-  EXPECT_THAT(f.err, HasSubstr("one column, 'time_s;current_A;voltage_V;load_N'; columns must be "
-                               "separated by commas, not by ';'"));
+  EXPECT_THAT(f.err, HasSubstr("one column, 'time_s|current_A|voltage_V|load_N'; columns must be "
+                               "separated by commas, not by '|'"));
   EXPECT_THAT(converted(program, "note\nready\nnot ready\n").err,
               HasSubstr("no column has numbers"));
   EXPECT_EQ(program.folder().names().size(), 1U);
@@ -195,7 +210,7 @@ TEST(Mistakes, ExothermicUpwardsIsSaid) {
       csv({{"time_s", time_s}, {"temperature_degC", temperature}, {"power_W_per_g", flow}}));
   EXPECT_EQ(f.status, 1);
   EXPECT_THAT(f.err, AllOf(HasSubstr("run.csv: the heat flow runs against the temperature"),
-                           HasSubstr("--column power_W_per_g=COLUMN*-1")));
+                           HasSubstr("--column power_W_per_g=3*-1")));
 }
 
 TEST(Mistakes, QuantitiesWithTheWrongSignAreRefusedBeforeAFit) {

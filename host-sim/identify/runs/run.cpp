@@ -5,22 +5,23 @@
 #include <fmt/format.h>
 #include <limits>
 
+#include "host-sim/checks/findings.hpp"
+#include "host-sim/checks/statistics.hpp"
 #include "host-sim/how_read.hpp"
-#include "host-sim/identify/runs/run_checks.hpp"
+#include "model/files/error.hpp"
 
 namespace smaservo::identify {
 namespace {
 
 constexpr double measuring_W_m = 0.1;  ///< still air removes 0.04-0.07 W/mK from any thin wire
 constexpr double rough_resistivity_ohm_m = 0.9e-6;
-constexpr double min_current_share = 0.03;
+constexpr std::size_t min_rows = 20;
+constexpr double min_strain = 0.003;
+constexpr double min_resistance_change = 0.02;
+constexpr double min_temperature_span_K = 10;
 
-double largest(const std::vector<double>& values) {
-  double max = 0;
-  for (const double value : values) {
-    max = std::max(max, std::abs(value));
-  }
-  return max;
+[[noreturn]] void fail(const Run& run, const std::string& what) {
+  throw files::UserError(fmt::format("{}: {}", run.name, what));
 }
 
 /// Whether the largest current of the run heats the wire.
@@ -60,34 +61,6 @@ RunKind kind_of(const Run& run, bool heated) {
   return RunKind::bath;
 }
 
-/// V/I in rows with enough current to measure it, otherwise NaN.
-std::vector<double> measured_resistance(const Run& run) {
-  std::vector<double> all;
-  if (run.current_A.empty() || run.voltage_V.empty()) {
-    return all;
-  }
-  const double min_A = min_current_share * largest(run.current_A);
-  for (std::size_t i = 0; i < run.current_A.size(); ++i) {
-    const double current_A = run.current_A[i];
-    all.push_back(current_A != 0 && std::abs(current_A) >= min_A
-                      ? run.voltage_V[i] / current_A
-                      : std::numeric_limits<double>::quiet_NaN());
-  }
-  return all;
-}
-
-std::vector<double> elongation(const std::vector<double>& displacement_m, double length_m) {
-  std::vector<double> strain;
-  if (displacement_m.empty()) {
-    return strain;
-  }
-  const double longest_m = *std::ranges::min_element(displacement_m);
-  for (const double at_m : displacement_m) {
-    strain.push_back((longest_m - at_m) / length_m);
-  }
-  return strain;
-}
-
 std::vector<double> given_stress(const Run& run, const RunOptions& options, std::size_t rows) {
   if (run.kind == RunKind::calorimetry) {
     return std::vector<double>(rows, 0.0);
@@ -99,77 +72,65 @@ std::vector<double> given_stress(const Run& run, const RunOptions& options, std:
       rows, options.stress_Pa ? *options.stress_Pa : *options.load_N / options.geometry.area_m2());
 }
 
-}  // namespace
-
-std::string_view name_of(RunKind kind) {
-  switch (kind) {
-    case RunKind::bath:
-      return "bath";
-    case RunKind::joule:
-      return "joule";
-    case RunKind::settled:
-      return "settled";
-    case RunKind::calorimetry:
-      return "calorimetry";
+void check_content(const Run& run) {
+  if (run.stress_Pa.size() < min_rows) {
+    fail(run, fmt::format("has {} rows, at least {} are needed; record a full heating and cooling",
+                          run.stress_Pa.size(), min_rows));
   }
-  return "";
+  if (run.kind == RunKind::calorimetry) {
+    const checks::Range temperature_K = checks::range_of(run.temperature_K);
+    if (temperature_K.high - temperature_K.low < min_temperature_span_K) {
+      fail(run, fmt::format("the temperature spans {:.1f} K; heat and cool the sample through both "
+                            "transformations",
+                            temperature_K.high - temperature_K.low));
+    }
+    return;
+  }
+  if (run.strain.empty() && (run.kind != RunKind::bath || run.resistance_ohm.empty())) {
+    fail(run, fmt::format("has nothing to fit a {} run to; record strain_ref or displacement_mm{}",
+                          name_of(run.kind),
+                          run.kind == RunKind::bath
+                              ? ", or resistance_ohm, or (of a calorimeter) power_W_per_g"
+                              : ""));
+  }
+  const checks::Range strain = checks::range_of(run.strain);
+  const checks::Range ohm = checks::range_of(run.resistance_ohm);
+  const double change = ohm.middle > 0 ? (ohm.high - ohm.low) / ohm.middle : 0;
+  if (strain.high - strain.low < min_strain && change < min_resistance_change) {
+    fail(run,
+         fmt::format("the wire does not move: strain spans {:.2f} %, resistance {:.1f} %; heat "
+                     "and cool it through both transformations",
+                     100 * (strain.high - strain.low), 100 * change));
+  }
 }
+
+}  // namespace
 
 Run read_run(const std::string& path, const RunOptions& options) {
   hal::TraceOptions trace_options = options.trace;
   trace_options.resistance_and_power = true;
   hal::TraceReader trace(path, trace_options);
   say_how_read(path, trace);
-  Run run{path == "-" ? "standard input" : path, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
-  std::vector<double> load_N, displacement_m;
-  struct ColumnValues {
-    hal::Column column;
-    std::vector<double>& values;
-  };
-  const ColumnValues columns[] = {{hal::Column::current, run.current_A},
-                                  {hal::Column::voltage, run.voltage_V},
-                                  {hal::Column::load, load_N},
-                                  {hal::Column::stress, run.stress_Pa},
-                                  {hal::Column::temperature, run.temperature_K},
-                                  {hal::Column::ambient, run.ambient_K},
-                                  {hal::Column::strain_ref, run.strain},
-                                  {hal::Column::displacement, displacement_m},
-                                  {hal::Column::resistance, run.resistance_ohm},
-                                  {hal::Column::power, run.power_W_kg}};
+  checks::Recorder recorder(trace);
   hal::TraceRow row{};
   while (trace.next(row)) {
-    if (trace.timed()) {
-      run.time_s.push_back(row[hal::Column::time]);
-    }
-    for (const ColumnValues& channel : columns) {
-      if (trace.has(channel.column)) {
-        channel.values.push_back(row[channel.column]);
-      }
-    }
+    recorder.add(row);
   }
+  const std::size_t rows = recorder.rows();
+  Run run = recorder.finish(path == "-" ? "standard input" : path, options.geometry);
   say_what_was_skipped(path, trace);
   for (const std::string& complaint : trace.complaints()) {
     files::complain("host-sim", fmt::format("{}: skipped: {}", run.name, complaint));
   }
-  if (trace.rows() == 0) {
+  if (rows == 0) {
     fail(run, "has no usable row");
   }
   run.kind = kind_of(run, is_heated(run, options.geometry));
   if (run.stress_Pa.empty()) {
-    for (const double newton : load_N) {
-      run.stress_Pa.push_back(newton / options.geometry.area_m2());
-    }
+    run.stress_Pa = given_stress(run, options, rows);
   }
-  if (run.stress_Pa.empty()) {
-    run.stress_Pa = given_stress(run, options, static_cast<std::size_t>(trace.rows()));
-  }
-  if (run.strain.empty()) {
-    run.strain = elongation(displacement_m, options.geometry.length_m);
-  }
-  if (run.resistance_ohm.empty()) {
-    run.resistance_ohm = measured_resistance(run);
-  }
-  check_run(run, options.geometry);
+  check_content(run);
+  checks::refuse_mistakes(run, {options.geometry}, options.allowed);
   return run;
 }
 

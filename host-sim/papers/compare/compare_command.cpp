@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "firmware/text/settings_file.hpp"
+#include "host-sim/checks/findings.hpp"
 #include "host-sim/papers/compare/compare.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
@@ -20,7 +21,7 @@ namespace {
 struct CompareArguments {
   std::vector<std::string> training, tests;
   std::string from{files::default_wire};
-  std::vector<std::string> settings, columns;
+  std::vector<std::string> settings, columns, allowed;
   std::string out, report;
   bool json = false;
   int threads = 0;  ///< 0: as many as there are cores
@@ -121,6 +122,7 @@ void run(const CompareArguments& a) {
     options.stress_Pa = 1e6 * *a.stress_MPa;
   }
   options.trace.renames = a.columns;
+  options.allowed = a.allowed;
   std::vector<identify::Run> training = read_runs(a.training, options);
   std::vector<identify::Run> tests = read_runs(a.tests, options);
   const int threads = a.threads > 0
@@ -168,6 +170,7 @@ void add_compare_command(CLI::App& app) {
                    "key=value of the wire, such as wire.length_mm=120; repeatable")
       ->allow_extra_args(false);
   command->add_option("--column", a->columns, column_help)->allow_extra_args(false);
+  command->add_option("--allow", a->allowed, checks::allow_help)->allow_extra_args(false);
   command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
   command->add_option("--load-N", a->load_N, "load of runs without a load, N");
   command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")

@@ -171,7 +171,8 @@ TEST(RunChecks, ContradictoryUnits) {
   const RecordedColumn strain{"strain_ref", r.strain};
   EXPECT_THAT(refusal({warm, {"strain_ref", times(20, r.strain)}}), HasSubstr("per cent"));
   EXPECT_THAT(refusal({warm, strain, {"stress_MPa", Values(200, 1501.0)}}), HasSubstr("1501"));
-  EXPECT_THAT(refusal({warm, strain, {"load_N", Values(200, 100.0)}}), HasSubstr("diameter"));
+  EXPECT_THAT(refusal({warm, strain, {"load_N", Values(200, 100.0)}}),
+              HasSubstr("grams: --column load=3:gf"));
   EXPECT_THAT(refusal({{"temperature_K", converted(r.temperature_degC, 0.1, 60, 120)}, strain}),
               HasSubstr("degC in a column of K?"));
   Values kelvin = r.temperature_degC;

@@ -1,5 +1,5 @@
 #pragma once
-// Statistics of columns for the checks of a run; NaN is a reading that was not taken.
+// Statistics of columns for the checks of a record; NaN is a reading that was not taken.
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace smaservo::identify {
+namespace smaservo::checks {
 
 using Values = std::vector<double>;
 
@@ -47,4 +47,4 @@ inline double span_of(std::span<const double> values) {
   return std::max(high - low, 0.0);
 }
 
-}  // namespace smaservo::identify
+}  // namespace smaservo::checks

@@ -1,0 +1,74 @@
+#include "host-sim/checks/findings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <limits>
+
+#include "host-sim/checks/statistics.hpp"
+#include "model/files/error.hpp"
+#include "model/files/message.hpp"
+
+namespace smaservo::checks {
+
+std::vector<double> heating_K(const Record& record, const Geometry<double>& geometry) {
+  if (record.kind == RunKind::bath) {
+    return record.temperature_K;
+  }
+  constexpr double still_air_W_m2K = 100;
+  const double delay_s =
+      density_kg_m3 * specific_heat_J_kgK * geometry.diameter_m / (4 * still_air_W_m2K);
+  std::vector<double> all;
+  double now_K = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < std::min(record.current_A.size(), record.voltage_V.size()); ++i) {
+    const double settled_K =
+        record.current_A[i] * record.voltage_V[i] / (still_air_W_m2K * geometry.surface_m2());
+    const bool timed = record.kind == RunKind::joule && i > 0 && !record.time_s.empty();
+    const double step = timed ? (record.time_s[i] - record.time_s[i - 1]) / delay_s : 1e9;
+    now_K = std::isnan(now_K) ? settled_K : now_K + (settled_K - now_K) * -std::expm1(-step);
+    all.push_back(now_K);
+  }
+  return all;
+}
+
+std::vector<Finding> find_mistakes(const Record& record, const RecordedWire& wire) {
+  constexpr std::size_t few = 20;
+  Findings found;
+  if (record.lines.empty() && record.stress_Pa.empty() && record.current_A.empty()) {
+    return found;
+  }
+  check_signs(record, wire, found);
+  check_units(record, wire, found);
+  const std::size_t rows =
+      std::max({record.stress_Pa.size(), record.current_A.size(), record.temperature_K.size()});
+  if (rows >= few) {
+    check_time(record, wire, found);
+    check_clipped(record, found);
+    check_alloy(record, wire, found);
+  }
+  std::ranges::stable_partition(found, &Finding::is_error);
+  return found;
+}
+
+void refuse_mistakes(const Record& record, const RecordedWire& wire,
+                     const std::vector<std::string>& allowed) {
+  for (const std::string& name : allowed) {
+    if (std::ranges::find(check_names, name) == std::end(check_names)) {
+      throw files::UserError(fmt::format("--allow {}: there is no such check; there are: {}", name,
+                                         fmt::join(check_names, ", ")));
+    }
+  }
+  const std::vector<Finding> found = find_mistakes(record, wire);
+  for (const Finding& finding : found) {
+    const bool is_allowed = std::ranges::find(allowed, finding.check) != allowed.end();
+    const std::string text = fmt::format("{}: {}", record.name, finding.text);
+    if (finding.is_error && !is_allowed) {
+      throw files::UserError(
+          fmt::format("{}. To go on all the same: --allow {}", text, finding.check));
+    }
+    files::complain("host-sim", text);
+  }
+}
+
+}  // namespace smaservo::checks
