@@ -299,6 +299,9 @@ std::string TraceReader::own_name(std::size_t column) const {
 double TraceReader::scale(std::size_t column) const {
   return impl_->columns->scale(column);
 }
+double TraceReader::in_unit(Column column, double si) const {
+  return impl_->columns->unit(column).from_si(si);
+}
 const std::vector<std::size_t>& TraceReader::unknown() const {
   return impl_->columns->unknown();
 }

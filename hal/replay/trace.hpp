@@ -65,7 +65,7 @@ struct TraceRow {
   std::array<double, column_count> values;
   std::string_view text;  ///< the row as CSV without its line end; valid until the next row
   std::uint64_t number;   ///< number among all rows, including bad ones; the first is 0
-  std::uint64_t line;    ///< line of the file, or message of an MCAP file
+  std::uint64_t line;     ///< line of the file, or message of an MCAP file
   /// Number of times that the clock restarted before this row; times continue to rise.
   std::uint32_t piece;
 
@@ -87,8 +87,8 @@ class TraceReader {
   bool has(Column column) const;
   /// Whether the rows have times, from a column or the options' period.
   bool timed() const;
-  /// The position of a column that the trace has, from 0; for a voltage that comes from a resistance,
-  /// that column's.
+  /// The position of a column that the trace has, from 0; for a voltage that comes from a
+  /// resistance, that column's.
   std::size_t position(Column column) const;
   /// The name that a column of the trace has in the file.
   const std::string& name(Column column) const;
@@ -98,6 +98,8 @@ class TraceReader {
   /// its numbers then need; the file's own name where it is not understood.
   std::string own_name(std::size_t column) const;
   double scale(std::size_t column) const;
+  /// A value of a column that the trace has, in the unit of own_name().
+  double in_unit(Column column, double si) const;
   /// Positions of the columns that are not understood, to be copied.
   const std::vector<std::size_t>& unknown() const;
 

@@ -413,6 +413,11 @@ BadRow TraceColumns::out_of_range(std::size_t i, const std::string& field) const
   } else if (column.kind.size() > 1) {
     text += fmt::format("; per cent are {}_percent", column.base);
   }
+  if (column.base == "load" && field.find('.') == std::string::npos) {
+    text += fmt::format(
+        "; counts of a converter need their factor: --column load_N={}*NEWTONS_PER_COUNT", i + 1);
+    return {i, text};
+  }
   double value = 0;
   const auto [at, error] = std::from_chars(field.data() + 1, field.data() + field.size(), value);
   for (const Unit& other : column.kind) {

@@ -42,6 +42,8 @@ class TraceColumns {
   /// its numbers then need; the file's own name where it is not understood.
   std::string own_name(std::size_t i) const;
   double scale(std::size_t i) const { return targets_[i].scale; }
+  /// The unit of own_name() of this column, which the file must have.
+  const Unit& unit(Column column) const { return targets_[position(column)].unit; }
   /// What columns may mean that were not taken, and what to type: one sentence each.
   const std::vector<std::string>& hints() const { return hints_; }
 

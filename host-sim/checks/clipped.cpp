@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <numeric>
 #include <span>
 
@@ -60,20 +59,6 @@ double change(std::span<const double> values) {
     }
   }
   return span_of(means);
-}
-
-/// The finest step of the column, due to its converter or to the digits in which it was written.
-double step_of(const Values& values) {
-  Values sorted = known(values);
-  std::ranges::sort(sorted);
-  double step = std::numeric_limits<double>::infinity();
-  const double min = 1e-9 * (sorted.back() - sorted.front());
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    if (sorted[i] - sorted[i - 1] > min) {
-      step = std::min(step, sorted[i] - sorted[i - 1]);
-    }
-  }
-  return step;
 }
 
 /// Whether the column ends abruptly at the stretch. A quantity that comes to rest slows down first,

@@ -42,9 +42,13 @@ std::vector<Finding> find_mistakes(const Record& record, const RecordedWire& wir
   check_units(record, wire, found);
   const std::size_t rows =
       std::max({record.stress_Pa.size(), record.current_A.size(), record.temperature_K.size()});
+  check_signs(record, wire, found);
+  if (rows >= few) {
+    check_clipped(record, found);
+  }
+  check_units(record, wire, found);
   if (rows >= few) {
     check_time(record, wire, found);
-    check_clipped(record, found);
     check_alloy(record, wire, found);
   }
   std::ranges::stable_partition(found, &Finding::is_error);
@@ -59,15 +63,19 @@ void refuse_mistakes(const Record& record, const RecordedWire& wire,
                                          fmt::join(check_names, ", ")));
     }
   }
-  const std::vector<Finding> found = find_mistakes(record, wire);
-  for (const Finding& finding : found) {
+  // The first error ends the program; what else there is may explain it.
+  std::string error;
+  for (const Finding& finding : find_mistakes(record, wire)) {
     const bool is_allowed = std::ranges::find(allowed, finding.check) != allowed.end();
     const std::string text = fmt::format("{}: {}", record.name, finding.text);
-    if (finding.is_error && !is_allowed) {
-      throw files::UserError(
-          fmt::format("{}. To go on all the same: --allow {}", text, finding.check));
+    if (finding.is_error && !is_allowed && error.empty()) {
+      error = fmt::format("{}. To go on all the same: --allow {}", text, finding.check);
+    } else {
+      files::complain("host-sim", text);
     }
-    files::complain("host-sim", text);
+  }
+  if (!error.empty()) {
+    throw files::UserError(error);
   }
 }
 

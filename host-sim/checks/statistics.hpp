@@ -47,4 +47,22 @@ inline double span_of(std::span<const double> values) {
   return std::max(high - low, 0.0);
 }
 
+/// The finest step of the column, due to its converter or to the digits in which it was written;
+/// infinite where all values are the same.
+inline double step_of(const Values& values) {
+  Values sorted = known(values);
+  double step = std::numeric_limits<double>::infinity();
+  if (sorted.empty()) {
+    return step;
+  }
+  std::ranges::sort(sorted);
+  const double min = 1e-9 * (sorted.back() - sorted.front());
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i] - sorted[i - 1] > min) {
+      step = std::min(step, sorted[i] - sorted[i - 1]);
+    }
+  }
+  return step;
+}
+
 }  // namespace smaservo::checks

@@ -47,6 +47,11 @@ std::optional<std::string> unit_for(const Place& place, Kind kind, double factor
   return std::nullopt;
 }
 
+double factor_of(Kind kind, const Place& place) {
+  const auto found = std::ranges::find(kind, std::string_view(place.unit), &Unit::suffix);
+  return found == kind.end() ? 1 : found->factor;
+}
+
 std::string option(std::string_view quantity, const Place& place, std::string_view unit) {
   return fmt::format("--column {}={}:{}", quantity, place.column, unit);
 }
@@ -114,20 +119,16 @@ std::optional<std::string> swapped(const Record& record, const RecordedWire& wir
   if (current.column == 0 || voltage.column == 0 || current.column == voltage.column) {
     return std::nullopt;
   }
-  const double length_per_area = wire.geometry.length_m / wire.geometry.area_m2();
-  for (const double factor : {1.0, 1e3, 1e-3}) {
-    // What is called current times `factor` would be the voltage.
-    if (is_resistivity(factor / m.ohm / length_per_area)) {
-      const std::string_view volts = factor == 1e-3                        ? "mV"
-                                     : current.unit == "mA" && factor == 1 ? "mV"
-                                                                           : "V";
-      const std::string_view amperes = voltage.unit == "mV" ? "mA" : "A";
-      return fmt::format("columns {} '{}' and {} '{}' are probably swapped: {} {}", current.column,
-                         current.name, voltage.column, voltage.name,
-                         option("current", voltage, amperes), option("voltage", current, volts));
-    }
+  // In the units that the names have: what is called current would be the voltage.
+  const double ratio = factor_of(kind::voltage, voltage) / factor_of(kind::current, current);
+  const double ohm_m = ratio * ratio / m.ohm * wire.geometry.area_m2() / wire.geometry.length_m;
+  if (!is_resistivity(ohm_m)) {
+    return std::nullopt;
   }
-  return std::nullopt;
+  return fmt::format("columns {} '{}' and {} '{}' are probably swapped: {} {}", current.column,
+                     current.name, voltage.column, voltage.name,
+                     option("current", voltage, current.unit),
+                     option("voltage", current, voltage.unit));
 }
 
 /// Which other wire has this resistance.

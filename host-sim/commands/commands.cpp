@@ -10,6 +10,7 @@
 #include "host-sim/describe/describe_command.hpp"
 #include "host-sim/evaluate/evaluate_command.hpp"
 #include "host-sim/identify/identify_command.hpp"
+#include "host-sim/inspect/inspect_command.hpp"
 #include "host-sim/page/page_command.hpp"
 #include "host-sim/papers/compare/compare_command.hpp"
 #include "host-sim/papers/figures/figures_command.hpp"
@@ -44,6 +45,7 @@ int run_host_sim(int argc, char** argv) {
   describe::add_explain_command(app);
   figures::add_figures_command(app);
   identify::add_identify_command(app);
+  inspect::add_inspect_command(app);
   page::add_page_command(app);
   replay::add_replay_command(app);
   replay::add_replay_device_command(app);

@@ -28,6 +28,7 @@ struct IdentifyArguments {
   std::string out, report;
   bool json = false;
   bool circuit = false;
+  bool lenient = false;
   int threads = 0;  ///< 0: as many as there are cores
   std::optional<double> stress_MPa, load_N;
 };
@@ -105,6 +106,7 @@ std::vector<Run> read_runs(const IdentifyArguments& a, const Geometry<double>& g
   }
   options.trace.renames = a.columns;
   options.allowed = a.allowed;
+  options.trace.lenient = a.lenient;
   std::vector<Run> runs;
   runs.reserve(a.runs.size());
   for (const std::string& path : a.runs) {
@@ -189,6 +191,7 @@ void add_identify_command(CLI::App& app) {
   command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")
       ->excludes("--load-N");
   command->add_option("--column", a->columns, column_help)->allow_extra_args(false);
+  command->add_flag("--lenient", a->lenient, "skip and count bad rows instead of refusing them");
   command->add_option("--allow", a->allowed, checks::allow_help)->allow_extra_args(false);
   command->callback([a] { run(*a); });
 }
