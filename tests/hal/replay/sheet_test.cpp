@@ -238,6 +238,17 @@ TEST(Sheet, ALineThatIsCutOffIsSaid) {
   EXPECT_EQ(read("time_s,current_A\n0,1\n1,2").contents.rows.size(), 2U);
 }
 
+// Each line has the separator before it, so nothing has to be guessed.
+TEST(Sheet, ALastColumnMayBeMostlyEmpty) {
+  const TraceContents rows =
+      read("t [s];I [mA];note\n0;1;at rest\n1;2;\n2;3;\n3;4;\n4;5;heated\n5;6;\n").contents;
+  ASSERT_EQ(rows.rows.size(), 6U);
+  EXPECT_EQ(rows.skipped, 0U);
+  EXPECT_THAT(rows.texts[4], HasSubstr("heated"));
+  EXPECT_EQ(read("t [s];I [mA];note\n0;1;\n1;2;\n2;3;\n").contents.rows.size(), 3U);
+  EXPECT_EQ(read("t [s];I [mA];note\n0;1\n1;2\n2;3\n").contents.rows.size(), 3U) << "as LabVIEW";
+}
+
 TEST(Sheet, MessagesNameTheLineOfTheFile) {
   EXPECT_THAT(refusal("a preface\n\nt [s];I [A]\n0;1\n\n1;x\n2;3\n"),
               HasSubstr("line 6, column 2 (I [A])"));
