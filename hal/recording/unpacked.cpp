@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <limits>
+#include <lzma.h>
 #include <zlib.h>
 #include <zstd.h>
 
@@ -15,6 +16,9 @@ namespace {
 constexpr std::size_t block_size = std::size_t{1} << 20;
 constexpr std::size_t looked_at = 8;
 constexpr std::string_view gzip_magic = "\x1F\x8B", zstd_magic = "\x28\xB5\x2F\xFD";
+constexpr std::string_view xz_magic =
+    "\xFD"
+    "7zXZ";
 
 class Gzip final : public Unpacked::Unpacker {
  public:
@@ -82,20 +86,62 @@ class Zstd final : public Unpacked::Unpacker {
   bool whole_ = false;
 };
 
+class Xz final : public Unpacked::Unpacker {
+ public:
+  Xz() { begin(); }
+  ~Xz() override { lzma_end(&stream_); }
+  Xz(const Xz&) = delete;
+  Xz& operator=(const Xz&) = delete;
+
+  std::size_t unpack(std::string_view& in, char* to, std::size_t room) override {
+    if (whole_) {
+      // Zeros may fill up what is behind the data; anything else must be another such file.
+      in.remove_prefix(std::min(in.find_first_not_of('\0'), in.size()));
+      if (in.empty()) {
+        return 0;
+      }
+      begin();
+      whole_ = false;
+    }
+    // NOLINTNEXTLINE(*-reinterpret-cast)
+    stream_.next_in = reinterpret_cast<const std::uint8_t*>(in.data());
+    stream_.avail_in = in.size();
+    stream_.next_out = reinterpret_cast<std::uint8_t*>(to);  // NOLINT(*-reinterpret-cast)
+    stream_.avail_out = room;
+    const lzma_ret result = lzma_code(&stream_, LZMA_RUN);
+    if (result != LZMA_OK && result != LZMA_STREAM_END && result != LZMA_BUF_ERROR) {
+      throw files::UserError(result == LZMA_MEMLIMIT_ERROR
+                                 ? "the xz data need more than 128 MiB of memory; unxz them first"
+                                 : "the xz data are damaged");
+    }
+    whole_ = result == LZMA_STREAM_END;
+    in.remove_prefix(in.size() - stream_.avail_in);
+    return room - stream_.avail_out;
+  }
+  bool is_whole() const override { return whole_; }
+
+ private:
+  void begin() {
+    constexpr std::uint64_t most_memory = std::uint64_t{128} << 20U;
+    if (lzma_stream_decoder(&stream_, most_memory, 0) != LZMA_OK) {
+      throw files::UserError("xz: no memory");
+    }
+  }
+
+  lzma_stream stream_ = LZMA_STREAM_INIT;
+  bool whole_ = false;
+};
+
 /// What the user may do with a file that begins so; null: it may be a table as text.
 const char* way_out(std::string_view head) {
   using namespace std::string_view_literals;
   constexpr std::pair<std::string_view, const char*> foreign[] = {
-      {"\xFD"
-       "7zXZ"sv,
-       "is compressed by xz; unxz it first"},
       {"BZh"sv, "is compressed by bzip2; bunzip2 it first"},
-      {"PK\x03\x04"sv, "is a zip archive, as .xlsx and .ods are; save the sheet as CSV"},
-      {"\xD0\xCF\x11\xE0"sv, "is an old Office file (.xls); save the sheet as CSV"},
-      {"MATLAB 5"sv, "is a MATLAB file; in MATLAB, writetable() makes a CSV file of a table"},
+      {"\xD0\xCF\x11\xE0"sv,
+       "is an old Office file (.xls), or one with a password; save the sheet as .xlsx or CSV"},
       {"\x89HDF"sv,
-       "is an HDF5 file, as .mat of version 7.3; in MATLAB, writetable() makes a CSV "
-       "file of a table"},
+       "is an HDF5 file that MATLAB has not written; save the columns as CSV, or by MATLAB's "
+       "save()"},
       {"TDSm"sv, "is a TDMS file; export it as text from LabVIEW or DIAdem"}};
   for (const auto& [magic, way] : foreign) {
     if (head.starts_with(magic)) {
@@ -119,6 +165,8 @@ Unpacked::Unpacked(Read read) : read_(std::move(read)) {
     unpacker_ = std::make_unique<Gzip>();
   } else if (in_.starts_with(zstd_magic)) {
     unpacker_ = std::make_unique<Zstd>();
+  } else if (in_.starts_with(xz_magic)) {
+    unpacker_ = std::make_unique<Xz>();
   }
   for (std::size_t got = 1; got > 0 && head_.size() < looked_at;) {
     std::string part(block_size, '\0');

@@ -8,10 +8,11 @@
 
 namespace smaservo::hal {
 
-/// The content of a file that may be compressed, by gzip or zstd, as its first bytes tell; several
-/// such files one behind the other are one. All functions that read throw files::UserError where
-/// the data are damaged or end in the middle, or where the first bytes are those of a format that
-/// is no table as text. Constant memory: at most 128 MiB for zstd, by its own limit.
+/// The content of a file that may be compressed, by gzip, zstd or xz, as its first bytes tell;
+/// several such files one behind the other are one. All functions that read throw files::UserError
+/// where the data are damaged or end in the middle, or where the first bytes are those of a format
+/// that is no table as text. Constant memory: at most 128 MiB for zstd, by its own limit, and for
+/// xz.
 class Unpacked {
  public:
   using Read = std::function<std::size_t(char* to, std::size_t room)>;
@@ -26,6 +27,9 @@ class Unpacked {
   std::size_t read(char* to, std::size_t room);
   /// The first bytes of the content, at least 8 if there are as many; before the first read().
   std::string_view head() const { return head_; }
+
+  /// Whether the file is compressed.
+  bool is_packed() const { return unpacker_ != nullptr; }
 
   /// Unpacks from `in`, of which it takes what it has unpacked.
   struct Unpacker {

@@ -305,6 +305,9 @@ double TraceReader::in_unit(Column column, double si) const {
 const std::vector<std::size_t>& TraceReader::unknown() const {
   return impl_->columns->unknown();
 }
+std::string_view TraceReader::word() const {
+  return impl_->source->word();
+}
 bool TraceReader::next(TraceRow& row) {
   return impl_->next(row);
 }
@@ -336,6 +339,9 @@ std::string TraceReader::read_as() const {
   const std::string layout = impl_->source->layout();
   const std::string& columns = impl_->columns->recognised();
   return layout + (layout.empty() || columns.empty() ? "" : "; ") + columns;
+}
+bool TraceReader::is_packed() const {
+  return impl_->source->is_packed();
 }
 const std::vector<std::string>& TraceReader::hints() const {
   return impl_->columns->hints();

@@ -103,6 +103,9 @@ class TraceReader {
   /// Positions of the columns that are not understood, to be copied.
   const std::vector<std::size_t>& unknown() const;
 
+  /// What a row's `line` is the number of: "line", of an MCAP file "message", of a spreadsheet or a
+  /// MATLAB file "row".
+  std::string_view word() const;
   /// Reads the next row; false at the end. Throws TraceError for a bad row, unless lenient; if
   /// lenient, it throws at the end if more rows were bad than good.
   bool next(TraceRow& row);
@@ -125,6 +128,7 @@ class TraceReader {
   /// How the table of another program was read: "separated by semicolons, names in line 3; time =
   /// column 1 'Time [s]' in s; ..."; empty where the file is of this project's dialect.
   std::string read_as() const;
+  bool is_packed() const;  ///< the file is compressed
   /// What columns may mean that were not taken, and what to type: one sentence each.
   const std::vector<std::string>& hints() const;
   /// The first few places where the clock fell back, and how they were treated.

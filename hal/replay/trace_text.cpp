@@ -19,7 +19,9 @@ TraceText::TraceText(const std::string& path) {
     content_ = std::make_unique<Unpacked>(
         [this](char* to, std::size_t room) { return read_file(to, room); });
     const auto read_on = [this](char* to, std::size_t room) { return content_->read(to, room); };
-    if (content_->head().starts_with(mcap::magic) || is_mcap_name(path)) {
+    if (ForeignTable::begins(content_->head())) {
+      open_foreign();
+    } else if (content_->head().starts_with(mcap::magic) || is_mcap_name(path)) {
       mcap_ = std::make_unique<mcap::CsvOfRows>(read_on);
     } else {
       sheet_ = std::make_unique<CsvOfSheet>(read_on, TraceColumns::is_own_header);
@@ -36,6 +38,27 @@ TraceText::~TraceText() {
   if (file_ > STDIN_FILENO) {
     close(file_);
   }
+}
+
+void TraceText::open_foreign() {
+  // Its beginning is not where a reader of such a file begins, so a pipe will not do.
+  struct stat status{};
+  if (content_->is_packed() || fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
+    throw files::UserError(
+        content_->is_packed()
+            ? "is a spreadsheet or MATLAB file that was compressed once more; unpack it first"
+            : "is a spreadsheet or MATLAB file, which cannot be read from a pipe; save it as a "
+              "file first");
+  }
+  table_ = std::make_unique<ForeignTable>(file_);
+  sheet_ = std::make_unique<CsvOfSheet>(
+      [this](char* to, std::size_t room) { return read_foreign(to, room); }, nullptr);
+}
+
+std::size_t TraceText::read_foreign(char* to, std::size_t room) {
+  const std::size_t got = table_->read(to, room);
+  bytes_ = got == 0 ? size_ : bytes_;
+  return got;
 }
 
 void TraceText::open_file(const std::string& path) {
@@ -75,13 +98,33 @@ std::size_t TraceText::read(char* to, std::size_t room) {
                                 : sheet_->read_raw(to, room);
 }
 
+std::string TraceText::layout() const {
+  if (!sheet_ || !sheet_->is_foreign()) {
+    return table_ ? table_->description() : "";
+  }
+  if (!table_) {
+    return sheet_->said();
+  }
+  const std::size_t header = sheet_->layout().header;
+  return table_->description() + (header == 0          ? ", no names"
+                                  : table_->is_sheet() ? fmt::format(", names in row {}", header)
+                                                       : "");
+}
+
+std::string_view TraceText::word() const {
+  return mcap_ ? "message" : table_ ? "row" : "line";
+}
+
 std::uint64_t TraceText::number(std::uint64_t line) const {
-  return mcap_ ? line - 1 : sheet_->is_foreign() ? sheet_->line_of(line) : line;
+  if (mcap_ || (table_ && !table_->is_sheet())) {
+    return line - 1;
+  }
+  return sheet_->is_foreign() ? sheet_->line_of(line) : line;
 }
 
 std::string TraceText::place(std::uint64_t line) const {
-  return mcap_ && line == 1 ? "schema"
-                            : fmt::format("{} {}", mcap_ ? "message" : "line", number(line));
+  const bool of_names = line == 1 && (mcap_ || (table_ && !table_->is_sheet()));
+  return of_names ? (mcap_ ? "schema" : "names") : fmt::format("{} {}", word(), number(line));
 }
 
 }  // namespace smaservo::hal

@@ -4,16 +4,18 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
+#include "hal/recording/foreign_table.hpp"
 #include "hal/recording/mcap/rows_reader.hpp"
 #include "hal/recording/unpacked.hpp"
 #include "hal/replay/sheet/sheet.hpp"
 
 namespace smaservo::hal {
 
-/// The text of a trace: the content of a CSV file, or the rows of an MCAP file or of another
-/// program's table as CSV. All functions that read throw files::UserError, which does not name the
-/// file.
+/// The text of a trace: the content of a CSV file, or the rows of an MCAP file, of another
+/// program's table, of a spreadsheet or a MATLAB file as CSV. All functions that read throw
+/// files::UserError, which does not name the file.
 class TraceText {
  public:
   /// `path` "-" is standard input. A file that begins with MCAP's magic bytes is read as MCAP; a
@@ -27,12 +29,14 @@ class TraceText {
   std::size_t read(char* to, std::size_t room);
 
   bool is_mcap() const { return mcap_ != nullptr; }
+  bool is_packed() const { return content_->is_packed(); }  ///< the file is compressed
   /// The name of a line of the text in messages; lines are counted from 1.
   std::string place(std::uint64_t line) const;
-  /// The number in it.
+  /// Its parts: "line", "message" or "row", and the number.
+  std::string_view word() const;
   std::uint64_t number(std::uint64_t line) const;
   /// How another program's table is laid out; empty for a CSV file of this project's dialect.
-  std::string layout() const { return sheet_ && sheet_->is_foreign() ? sheet_->said() : ""; }
+  std::string layout() const;
   /// Headers in the middle of the table, which are skipped.
   std::uint64_t repeated_headers() const { return sheet_ ? sheet_->repeated() : 0; }
   /// Lines among the rows of another program's table that are none, and the first of them.
@@ -46,10 +50,13 @@ class TraceText {
  private:
   void open_file(const std::string& path);
   std::size_t read_file(char* to, std::size_t room);
+  void open_foreign();
+  std::size_t read_foreign(char* to, std::size_t room);
 
   int file_ = -1;
   std::uint64_t size_ = 0, bytes_ = 0;
   std::unique_ptr<Unpacked> content_;
+  std::unique_ptr<ForeignTable> table_;    ///< null: the file is no spreadsheet or MATLAB file
   std::unique_ptr<mcap::CsvOfRows> mcap_;  ///< null: the file is text
   std::unique_ptr<CsvOfSheet> sheet_;      ///< null: the file is MCAP
 };

@@ -63,7 +63,7 @@ std::string_view name_of(RunKind kind) {
 }
 
 std::string Record::row(std::size_t index) const {
-  return index < lines.size() ? fmt::format("line {}", lines[index])
+  return index < lines.size() ? fmt::format("{} {}", line_word, lines[index])
                               : fmt::format("row {}", index + 1);
 }
 
@@ -74,6 +74,7 @@ std::string Record::column(hal::Column column, std::string_view otherwise) const
 }
 
 Recorder::Recorder(const hal::TraceReader& trace, std::size_t most) : most_(most) {
+  record_.line_word = trace.word();
   for (std::size_t k = 0; k < hal::column_count; ++k) {
     const auto column = static_cast<hal::Column>(k);
     const bool period = column == hal::Column::time && trace.timed() && !trace.has(column);

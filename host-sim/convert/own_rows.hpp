@@ -15,8 +15,8 @@ class OwnRows {
   /// Throws TraceError where the file cannot be read or a row is bad.
   OwnRows(const std::string& path, const std::vector<std::string>& renames);
 
-  /// Whether the file is not of this project's dialect already.
-  bool is_foreign() const { return !trace_.read_as().empty(); }
+  /// Whether the file is compressed, or not of this project's dialect.
+  bool is_foreign() const { return trace_.is_packed() || !trace_.read_as().empty(); }
   const hal::TraceReader& trace() const { return trace_; }
   /// Returns the number of bytes; 0 at the end.
   std::size_t read(char* to, std::size_t room);

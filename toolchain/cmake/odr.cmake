@@ -1,4 +1,4 @@
-# The target one_definition of the preset odr: the linker reads every class of both programs and their
+# The target one_definition of the preset odr: the linker reads every class of the programs and their
 # libraries, and compares those of one name. It makes no program of them, which would take five times
 # as long.
 
@@ -20,7 +20,7 @@ function(smaservo_static_libraries folder result)
 endfunction()
 
 smaservo_static_libraries("${PROJECT_SOURCE_DIR}" libraries)
-set(objects $<TARGET_OBJECTS:host-sim>)
+set(objects $<TARGET_OBJECTS:host-sim> $<TARGET_OBJECTS:smaservo-table>)
 if(TARGET smaservod)
   list(APPEND objects $<TARGET_OBJECTS:smaservod>)
 endif()

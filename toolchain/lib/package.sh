@@ -15,28 +15,33 @@ package_target() { package_targets | grep "^$1|"; }
 
 package_file() { printf '%s\n' "$root"/build/packages/smaservo_*_"$1".deb | tail -n 1; }
 
-# library_packages TREE TRIPLET: what the programs need of the distribution, by dpkg-shlibdeps. Foreign
-# libraries belong to no package that is installed here: their own packages' words decide.
+# library_packages TREE TRIPLET PROGRAM...: what the programs need of the distribution, by dpkg-shlibdeps.
+# Foreign libraries belong to no package that is installed here: their own packages' words decide.
 library_packages() {
   local tree=$1 triplet=$2 sysroot=$root/build/sysroot/$2
-  local -a where=()
+  local -a where=() programs
+  mapfile -t programs < <(printf -- "-e$tree/%s\n" "${@:3}")
   [[ -z $triplet ]] || where=("-l$sysroot/usr/lib/$triplet" "-l$sysroot/lib/$triplet" "-l$sysroot/lib"
     "-L$sysroot/shlibs")
   mkdir -p "$tree/shlibs/debian"
   printf 'Source: smaservo\n\nPackage: smaservo\nArchitecture: any\n' >"$tree/shlibs/debian/control"
-  (cd "$tree/shlibs" && dpkg-shlibdeps -O --warnings=0 "${where[@]}" \
-    -e"$tree/firmware/daemon/smaservod" -e"$tree/host-sim/host-sim") |
+  (cd "$tree/shlibs" && dpkg-shlibdeps -O --warnings=0 "${where[@]}" "${programs[@]}") |
     sed -nE 's/^shlibs:Depends=(.+)$/\1/p' | grep .
 }
 
-# make_package ARCHITECTURE PRESET TRIPLET: build/packages/smaservo_VERSION_ARCHITECTURE.deb.
+# make_package ARCHITECTURE PRESET TRIPLET: build/packages/smaservo_VERSION_ARCHITECTURE.deb. What
+# smaservo-table alone needs is recommended: a board that reads no spreadsheets does without.
 make_package() {
-  local architecture=$1 tree=$root/build/$2 needed
-  needed=$(library_packages "$tree" "$3") || return
+  local architecture=$1 tree=$root/build/$2 needed recommended
+  needed=$(library_packages "$tree" "$3" firmware/daemon/smaservod host-sim/host-sim) || return
+  recommended=$(library_packages "$tree" "$3" lib/smaservo/smaservo-table) || return
+  recommended=$(comm -13 <(tr , '\n' <<<"$needed" | sed -E 's/^ | [(].*//g' | sort) \
+    <(tr , '\n' <<<"$recommended" | sed -E 's/^ | [(].*//g' | sort) | paste -sd, | sed 's/,/, /g')
   SOURCE_DATE_EPOCH=$(git -C "$root" log -1 --format=%ct) \
     cpack --config "$tree/CPackConfig.cmake" -G DEB -B "$root/build/packages" \
     -D CPACK_DEBIAN_PACKAGE_ARCHITECTURE="$architecture" \
-    -D CPACK_DEBIAN_PACKAGE_DEPENDS="$needed, systemd" || return
+    -D CPACK_DEBIAN_PACKAGE_DEPENDS="$needed, systemd" \
+    -D CPACK_DEBIAN_PACKAGE_RECOMMENDS="$recommended" || return
   rm -rf "$root/build/packages/_CPack_Packages"
 }
 
@@ -168,12 +173,16 @@ check_running() {
   return "$code"
 }
 
-# Any BLAS and LAPACK will do, whatever this machine has chosen.
+# Any BLAS and LAPACK will do, whatever this machine has chosen. A board gets no HDF5.
 check_needed() {
-  local needed
+  local needed recommended
+  recommended=$(dpkg-deb --field "$1" Recommends)
+  printf 'recommended: %s\n' "$recommended"
+  [[ $recommended == *libexpat1*libmatio*libzip* ]] || return
   needed=$(dpkg-deb --field "$1" Depends)
   printf '%s\n' "$needed"
-  [[ $needed != *atlas* && $needed != *openblas* && $needed == *'liblapack3 | liblapack.so.3'* ]]
+  [[ $needed != *atlas* && $needed != *openblas* && $needed != *matio* && $needed != *libzip* &&
+    $needed == *'liblapack3 | liblapack.so.3'* ]]
 }
 
 # check_package ARCHITECTURE

@@ -105,7 +105,8 @@ struct Reading {
   std::size_t columns = 0;       ///< of the longest run of rows
   double rows = 0, numbers = 0;  ///< of it: rows, and the share of numbers in their fields
   bool begins_with_number = false;
-  std::size_t first = 0;  ///< number of the first row's line
+  std::size_t first = 0;    ///< number of the first row's line
+  bool keeps_last = false;  ///< the last column is one where fields are empty, too
 };
 
 struct Counted {
@@ -128,7 +129,7 @@ Counted count_numbers(const std::vector<std::string>& fields, char decimal) {
 
 Counted count(std::string_view line, const Reading& how, std::vector<std::string>& fields) {
   split_sheet_line(line, how.separator, fields);
-  if (fields.size() > 1 && fields.back().empty()) {
+  if (!how.keeps_last && fields.size() > 1 && fields.back().empty()) {
     fields.pop_back();
   }
   return count_numbers(fields, how.decimal);
@@ -161,6 +162,26 @@ void read_lines(const std::vector<std::string_view>& lines, Reading& how) {
       }
     }
   }
+}
+
+/// Whether the lines have one more column than the longest run of rows has, which is empty there:
+/// its separator is in each of the rows, and in one of them, or above them, is a text.
+bool has_sparse_last(const std::vector<std::string_view>& lines, const Reading& how) {
+  std::vector<std::string> fields;
+  bool any = false;
+  bool in_rows = false;
+  for (const std::string_view line : lines) {
+    const std::size_t numbers = count(line, how, fields).numbers;
+    split_sheet_line(line, how.separator, fields);
+    const bool whole = fields.size() == how.columns + 1;
+    const bool is_row = numbers >= 2 && 3 * numbers >= how.columns;
+    if (is_row && !whole) {
+      return false;
+    }
+    in_rows = in_rows || is_row;
+    any = any || (whole && !fields.back().empty() && (is_row || !in_rows));
+  }
+  return in_rows && any;
 }
 
 /// The first line that is a row as those of the longest run are.
@@ -319,6 +340,10 @@ std::optional<SheetLayout> find_layout(const std::vector<std::string_view>& line
   }
   if (!best) {
     return std::nullopt;
+  }
+  if (best->separator != ' ' && has_sparse_last(lines, *best)) {
+    best->keeps_last = true;
+    ++best->columns;
   }
   find_first(lines, *best);
   SheetLayout layout{best->separator,

@@ -93,7 +93,7 @@ CsvOfSheet::CsvOfSheet(Utf8Text::Read read, bool (*is_own_header)(std::string_vi
     const std::size_t end = in_.find('\n');
     std::string_view first = std::string_view(in_).substr(0, end);
     first.remove_suffix(first.ends_with('\r') ? 1 : 0);
-    if (end != std::string::npos && is_own_header(first)) {
+    if (is_own_header != nullptr && end != std::string::npos && is_own_header(first)) {
       return;
     }
   }
@@ -102,7 +102,8 @@ CsvOfSheet::CsvOfSheet(Utf8Text::Read read, bool (*is_own_header)(std::string_vi
   const std::size_t end = all.size() < looked_at ? all.size() : all.rfind('\n');
   const auto lines = lines_of(all.substr(0, end));
   const auto layout = find_layout(lines);
-  foreign_ = layout && (!layout->is_own() || std::ranges::any_of(lines, has_quoted_field));
+  foreign_ = layout && (is_own_header == nullptr || !layout->is_own() ||
+                        std::ranges::any_of(lines, has_quoted_field));
   if (!foreign_) {
     return;
   }

@@ -41,7 +41,8 @@ class Utf8Text {
 class CsvOfSheet {
  public:
   /// `read` gives the bytes of the file, of which as many are taken as tell the layout: the first
-  /// line where `is_own_header(line)` holds, 64 kB otherwise.
+  /// line where `is_own_header(line)` holds, 64 kB otherwise. Without that function every table is
+  /// foreign.
   CsvOfSheet(Utf8Text::Read read, bool (*is_own_header)(std::string_view line));
 
   /// Whether the text is a table that the reader would not understand as it is.
@@ -52,6 +53,8 @@ class CsvOfSheet {
   std::size_t read(char* to, std::size_t room);
   /// The number of the file's line in which a line of the output stands.
   std::uint64_t line_of(std::uint64_t line) const { return line + header_lines_ - 1; }
+  /// Of a table that is foreign.
+  const SheetLayout& layout() const { return layout_; }
   /// "separated by semicolons, decimal comma, names in line 23, UTF-16".
   std::string said() const;
   std::uint64_t repeated() const { return repeated_; }  ///< headers in the middle, skipped
