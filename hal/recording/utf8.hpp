@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -27,23 +26,27 @@ inline void put_utf8(std::string& to, std::uint32_t code) {
   }
 }
 
+/// The number of bytes that follow a character's first one; -1 where no character begins so.
+constexpr int utf8_bytes_after(unsigned char first) {
+  return first < 0x80   ? 0
+         : first < 0xC2 ? -1
+         : first < 0xE0 ? 1
+         : first < 0xF0 ? 2
+         : first < 0xF5 ? 3
+                        : -1;
+}
+
 /// Whether each byte above 7Fh belongs to a character of two to four bytes.
 inline bool is_utf8(std::string_view text) {
-  std::size_t expected = 0;
+  int expected = 0;
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
     const bool continues = 0x80 <= byte && byte < 0xC0;
     if (continues != (expected > 0)) {
       return false;
     }
-    expected = continues     ? expected - 1
-               : byte < 0x80 ? 0
-               : byte < 0xC2 ? 4
-               : byte < 0xE0 ? 1
-               : byte < 0xF0 ? 2
-               : byte < 0xF5 ? 3
-                             : 4;
-    if (expected == 4) {
+    expected = continues ? expected - 1 : utf8_bytes_after(byte);
+    if (expected < 0) {
       return false;
     }
   }

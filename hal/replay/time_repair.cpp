@@ -5,10 +5,7 @@
 #include <utility>
 
 namespace smaservo::hal {
-namespace {
 
-/// The period of a wrapping counter of a logger (micros() and millis() of 32 bits, milliseconds of
-/// 16 bits) for which `next_s` comes soon after `last_s`; 0 if there is none.
 double wrap_s(double last_s, double next_s, double step_s) {
   for (const double period_s : {4294.967296, 4294967.296, 65.536}) {
     const double gap_s = next_s + period_s - last_s;
@@ -18,8 +15,6 @@ double wrap_s(double last_s, double next_s, double step_s) {
   }
   return 0;
 }
-
-}  // namespace
 
 /// Whether the first row is late or the second one is early; otherwise the first one can be given.
 TimeRepair::Verdict TimeRepair::judge() const {

@@ -13,6 +13,10 @@
 
 namespace smaservo::hal {
 
+/// The period of a wrapping counter of a logger (micros() and millis() of 32 bits, milliseconds of
+/// 16 bits) for which `next_s` comes soon after `last_s`, within ten steps; 0 if there is none.
+double wrap_s(double last_s, double next_s, double step_s);
+
 /// A row that waits until the times after it are known.
 struct WaitingRow {
   TraceRow row;

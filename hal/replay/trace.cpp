@@ -37,7 +37,9 @@ struct TraceReader::Impl {
   std::string header;
   std::unique_ptr<TraceColumns> columns;
   double last_time_s = -std::numeric_limits<double>::infinity();
-  TimeRepair times;  ///< used by a lenient reader only
+  double step_s = 0,
+         offset_s = 0;  ///< of a strict reader: the last step; for counters that wrapped
+  TimeRepair times;     ///< used by a lenient reader only
   WaitingRow taken{};
   std::vector<std::string> complaints, clock_notes;
   bool said_cut_off = false;
@@ -125,18 +127,34 @@ struct TraceReader::Impl {
 
   bool has_time() const { return columns->has(Column::time); }
 
+  static constexpr const char* counter_goes_on = "; a counter that began at 0 again goes on";
   static std::string falls_back(double time_s, double before_s) {
     return fmt::format("time {} s does not come after {} s", time_s, before_s);
   }
 
-  std::optional<BadRow> check_time(const TraceRow& row) {
-    const double time_s = row[Column::time];
+  /// The time must rise, but for a counter of milliseconds or microseconds that wrapped.
+  std::optional<BadRow> check_time(TraceRow& row) {
     if (!has_time()) {
       return std::nullopt;
     }
+    double& time_s = row.values[static_cast<std::size_t>(Column::time)];
+    const double read_s = time_s;
+    time_s += offset_s;
     if (!(time_s > last_time_s)) {
-      return BadRow{columns->position(Column::time), falls_back(time_s, last_time_s)};
+      const bool counts = columns->unit(Column::time).suffix != "s";
+      const double period_s = counts ? wrap_s(last_time_s, time_s, step_s) : 0;
+      const BadRow fallen{columns->position(Column::time),
+                          falls_back(read_s, last_time_s - offset_s)};
+      if (period_s == 0) {
+        return fallen;
+      }
+      offset_s += period_s;
+      time_s += period_s;
+      if (clock_notes.size() < max_complaints) {
+        clock_notes.push_back(complaint_of(line, {fallen.column, fallen.reason + counter_goes_on}));
+      }
     }
+    step_s = time_s - last_time_s;
     last_time_s = time_s;
     return std::nullopt;
   }
@@ -189,7 +207,7 @@ struct TraceReader::Impl {
       case TimeRepair::Verdict::late:
         return fmt::format("time {} s does not come before {} s", how.read_s, how.other_s);
       case TimeRepair::Verdict::wraps:
-        return falls_back(how.read_s, how.other_s) + "; a counter that began at 0 again goes on";
+        return falls_back(how.read_s, how.other_s) + counter_goes_on;
       case TimeRepair::Verdict::begins:
         return falls_back(how.read_s, how.other_s) +
                "; the clock began anew, and with it a new piece";

@@ -389,6 +389,11 @@ void TraceColumns::explain(std::size_t i, const std::string& name) {
       targets_[i].unit = *unit;
       return;
     }
+    // A unit of other programs, as grams, which recognise() will take.
+    if (const auto meaning = meaning_of(name); meaning && meaning->base == column.base &&
+                                               !meaning->unit.empty() && meaning->doubt.empty()) {
+      return;
+    }
     // A known quantity in an unknown unit is an error, not an unknown column. Power in watts is
     // allowed, because it is another quantity than specific power.
     if (k != static_cast<std::size_t>(Column::power) &&

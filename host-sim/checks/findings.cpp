@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <iterator>
 #include <limits>
 
 #include "host-sim/checks/statistics.hpp"
@@ -51,8 +52,12 @@ std::vector<Finding> find_mistakes(const Record& record, const RecordedWire& wir
     check_time(record, wire, found);
     check_alloy(record, wire, found);
   }
-  std::ranges::stable_partition(found, &Finding::is_error);
-  return found;
+  Findings sorted;
+  for (const bool is_error : {true, false}) {
+    std::ranges::copy_if(found, std::back_inserter(sorted),
+                         [&](const Finding& finding) { return finding.is_error == is_error; });
+  }
+  return sorted;
 }
 
 void refuse_mistakes(const Record& record, const RecordedWire& wire,

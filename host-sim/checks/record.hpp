@@ -49,9 +49,9 @@ struct Record {
   std::vector<double> temperature_K, ambient_K;
   std::vector<double> power_W_kg;
 
-  std::vector<std::uint64_t> lines = {};  ///< of the rows; empty: the record is from no file
-  std::string line_word = {};             ///< what they are: "line"
-  std::array<Place, hal::column_count> places = {};
+  std::vector<std::uint64_t> lines;  ///< of the rows; empty: the record is from no file
+  std::string line_word;             ///< what they are: "line"
+  std::array<Place, hal::column_count> places;
 
   /// "line 17", of a spreadsheet "row 17"; "row 12" where the record is from no file.
   std::string row(std::size_t index) const;

@@ -11,6 +11,7 @@ namespace {
 std::string scaled(std::string_view field, double factor) {
   double value = 0;
   const char* const stop = field.data() + field.size();
+  // `stop` is where it ends. NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage)
   const auto [at, error] = std::from_chars(field.data(), stop, value);
   return error == std::errc{} && at == stop ? fmt::format("{}", value * factor)
                                             : std::string(field);

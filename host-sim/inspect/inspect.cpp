@@ -100,6 +100,7 @@ class Ranges {
   static double number(std::string_view field) {
     double value = 0;
     const char* const stop = field.data() + field.size();
+    // `stop` is where it ends. NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage)
     const auto [at, error] = std::from_chars(field.data(), stop, value);
     return error == std::errc{} && at == stop ? value : std::numeric_limits<double>::quiet_NaN();
   }

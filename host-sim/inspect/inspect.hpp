@@ -64,7 +64,7 @@ struct Facts {
 Facts inspect(const InspectOptions& options);
 
 std::string text_of(const Facts& facts, const InspectOptions& options);
-std::string json_of(const std::vector<Facts>& facts);
+std::string json_of(const std::vector<Facts>& all);
 /// A report as one HTML file. Throws UserError.
 void write_report(const std::string& path, const Facts& facts, const InspectOptions& options);
 

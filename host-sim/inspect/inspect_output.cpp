@@ -59,8 +59,8 @@ std::string resistance_of(const Facts& facts, const InspectOptions& options) {
     return "none: no row has current and voltage";
   }
   const double middle_ohm = (facts.ohm_low + facts.ohm_high) / 2;
-  std::string text = fmt::format("{:.4g} to {:.4g} ohm in {} of {} rows", facts.ohm_low,
-                                 facts.ohm_high, facts.resistances, facts.rows);
+  const std::string text = fmt::format("{:.4g} to {:.4g} ohm in {} of {} rows", facts.ohm_low,
+                                       facts.ohm_high, facts.resistances, facts.rows);
   const Geometry<double>& g = options.wire.wire.geometry;
   if (options.wire_given) {
     return text + fmt::format("; {:.3g} uohm_m for {:.4g} mm of {:.4g} um",
@@ -69,6 +69,7 @@ std::string resistance_of(const Facts& facts, const InspectOptions& options) {
   }
   constexpr double usual_ohm_m = 0.9e-6;
   std::vector<std::string> wires;
+  wires.reserve(3);
   for (const double diameter_m : {76e-6, 150e-6, 300e-6}) {
     const double area_m2 = Geometry<double>{1, diameter_m}.area_m2();
     wires.push_back(fmt::format("{:.3g} mm of {:.0f} um", 1e3 * middle_ohm * area_m2 / usual_ohm_m,
@@ -80,12 +81,8 @@ std::string resistance_of(const Facts& facts, const InspectOptions& options) {
 std::string heatings_of(const Facts& facts, const InspectOptions& options) {
   std::string text = fmt::format("{}", facts.heatings);
   if (options.wire_given && !facts.loads_MPa.empty()) {
-    std::vector<std::string> levels;
-    for (const double level : facts.loads_MPa) {
-      levels.push_back(fmt::format("{:.3g}", level));
-    }
-    text += fmt::format(", under {} load{}: {} MPa", levels.size(), levels.size() == 1 ? "" : "s",
-                        fmt::join(levels, ", "));
+    text += fmt::format(", under {} load{}: {:.3g} MPa", facts.loads_MPa.size(),
+                        facts.loads_MPa.size() == 1 ? "" : "s", fmt::join(facts.loads_MPa, ", "));
   }
   return text;
 }

@@ -40,13 +40,23 @@ constexpr auto force_units = std::to_array<WrittenUnit>({{"N", "N"},
                                                          {"g", "gf"},
                                                          {"gf", "gf"},
                                                          {"kg", "gf", 1e3},
-                                                         {"kgf", "gf", 1e3}});
-constexpr auto stress_units =
-    std::to_array<WrittenUnit>({{"Pa", "Pa"}, {"kPa", "kPa"}, {"MPa", "MPa"}, {"GPa", "GPa"}});
+                                                         {"kgf", "gf", 1e3},
+                                                         {"lbf", "N", 4.4482216152605},
+                                                         {"lb", "N", 4.4482216152605}});
+constexpr auto stress_units = std::to_array<WrittenUnit>({{"Pa", "Pa"},
+                                                          {"kPa", "kPa"},
+                                                          {"MPa", "MPa"},
+                                                          {"GPa", "GPa"},
+                                                          {"psi", "Pa", 6894.757293168},
+                                                          {"ksi", "kPa", 6894.757293168}});
 constexpr auto temperature_units =
     std::to_array<WrittenUnit>({{"degC", "degC"}, {"C", "degC"}, {"K", "K"}});
-constexpr auto length_units = std::to_array<WrittenUnit>(
-    {{"m", "m"}, {"mm", "mm"}, {"cm", "mm", 10}, {"um", "um"}, {"micron", "um"}});
+constexpr auto length_units = std::to_array<WrittenUnit>({{"m", "m"},
+                                                          {"mm", "mm"},
+                                                          {"cm", "mm", 10},
+                                                          {"um", "um"},
+                                                          {"micron", "um"},
+                                                          {"inch", "mm", 25.4}});
 constexpr auto resistance_units = std::to_array<WrittenUnit>(
     {{"ohm", "ohm"}, {"ohms", "ohm"}, {"mohm", "mohm"}, {"kohm", "ohm", 1e3}});
 constexpr auto strain_units =
@@ -67,7 +77,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {"time",
      time_units,
      {"t", "time", "zeit", "elapsedtime", "elapsed", "timestamp", "xvalue", "millis", "micros",
-      "seconds", "datetime", "date/time", "zeitstempel", "temps", "tempo", "clock"}},
+      "seconds", "datetime", "date/time", "zeitstempel", "temps", "tempo"}},
     {"current",
      current_units,
      {"i", "current", "strom", "iwire", "wirecurrent", "courant", "amps", "ampere", "imeas",

@@ -24,7 +24,8 @@ struct RunOptions {
   std::optional<double> stress_Pa;  ///< for files that have neither stress nor load
   std::optional<double> load_N;     ///< like stress_Pa; used if there is no stress_Pa
   hal::TraceOptions trace;
-  std::vector<std::string> allowed = {};  ///< checks that may fail
+  /// Checks that may fail.
+  std::vector<std::string> allowed = {};  // NOLINT(readability-redundant-member-init): for braces
 };
 
 /// Reads the whole file. Throws UserError, which says what to measure instead, for a file that

@@ -216,6 +216,22 @@ TEST(Sheet, AClockNeedsNoUnit) {
   EXPECT_THAT(said.hints, IsEmpty());
 }
 
+TEST(Sheet, ACounterThatWrapsGoesOn) {
+  const TemporaryFolder folder;
+  const std::string text = "micros,I_mA,U_mV\n4294947296,1,2\n4294957296,1,2\n0,1,2\n10000,1,2\n";
+  hal::TraceReader reader(folder.write("t.csv", text), {});
+  const auto rows = read_all(reader);
+  ASSERT_EQ(rows.rows.size(), 4U);
+  EXPECT_DOUBLE_EQ(rows.at(3, hal::Column::time), 4294967296e-6 + 0.01);
+  ASSERT_EQ(reader.clock_notes().size(), 1U);
+  EXPECT_THAT(reader.clock_notes()[0],
+              HasSubstr("line 4, column 1 (micros): time 0 s does not come after 4294.957296 s; a "
+                        "counter that began at 0 again goes on"));
+  EXPECT_THAT(refusal("t [s],I_mA,U_mV\n4294.94,1,2\n4294.95,1,2\n0,1,2\n", {}),
+              HasSubstr("does not come after"))
+      << "seconds are no counter";
+}
+
 TEST(Sheet, AResistanceTellsTheVoltage) {
   for (const char* header : {"time_s,current_A,resistance_ohm", "t [s],I [A],R [Ohm]"}) {
     const Said said = read(std::string(header) + "\n0,0.5,8\n1,0.25,7.5\n");

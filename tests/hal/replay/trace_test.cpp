@@ -100,7 +100,7 @@ TEST(TraceHeader, ResistanceAndPowerAreTextUnlessAskedFor) {
       read_trace("resistance_mohm,power_mW_per_mg,power_W\n20500,-0.2,x\n", options);
   EXPECT_DOUBLE_EQ(read.at(0, hal::Column::resistance), 20.5);
   EXPECT_DOUBLE_EQ(read.at(0, hal::Column::power), -200);
-  EXPECT_THAT(refusal("resistance_kohm\n", options), HasSubstr("resistance_mohm"));
+  EXPECT_THAT(refusal("resistance_S\n", options), HasSubstr("resistance_mohm"));
   EXPECT_EQ(refusal("power_W\n1\n", options), "") << "not specific: another quantity";
 }
 
@@ -112,14 +112,13 @@ TEST(TraceHeader, DuplicatesAreRefused) {
 
 TEST(TraceHeader, ForeignUnitsAreRefused) {
   const std::pair<std::string, const char*> foreign[] = {{"time", "time_us"},
-                                                         {"time_min", "time_us"},
+                                                         {"time_h", "time_us"},
                                                          {"current", "current_mA"},
                                                          {"current_kA", "current_mA"},
-                                                         {"load_kgf", "load_gf"},
-                                                         {"load_lbf", "load_gf"},
-                                                         {"stress_psi", "stress_kPa"},
+                                                         {"load_oz", "load_gf"},
+                                                         {"stress_bar", "stress_kPa"},
                                                          {"temperature_degF", "temperature_degC"},
-                                                         {"displacement_inch", "displacement_um"}};
+                                                         {"displacement_ft", "displacement_um"}};
   for (const auto& [name, known] : foreign) {
     EXPECT_THAT(refusal("note," + name + "\n"),
                 AllOf(StartsWith("line 1, column 2 (" + name + "): "), HasSubstr(known)));
@@ -161,7 +160,7 @@ TEST(TraceRename, MistakesAreNamed) {
   const std::string text = "step,I,current_A\n0,1,3\n1,2,4\n";
   for (const char* rename :
        {"time_s", "=step", "time_s=step*", "time_s=step*x", "time_s=step*0", "time_s=step*inf",
-        "time_s=step*2 ", "time_s=nothing", "speed_m_s=I", "current_A=I", "time_min=step"}) {
+        "time_s=step*2 ", "time_s=nothing", "speed_m_s=I", "current_A=I", "time_h=step"}) {
     EXPECT_NE(refusal(text, renamed({rename})), "") << rename;
   }
   EXPECT_THAT(refusal(text, renamed({"time_s=nothing"})),

@@ -32,7 +32,9 @@ double arctan(double u) {
 
 /// A bath run from 290 K to 420 K and back, with 600 rows.
 identify::Run bath(const Truth& truth, const Fraction& fraction) {
-  identify::Run run{"bath", identify::RunKind::bath, {}, {}, {}, {}, {}, {}, {}, {}, {}};
+  identify::Run run{};
+  run.name = "bath";
+  run.kind = identify::RunKind::bath;
   for (int i = 0; i < 600; ++i) {
     const bool cools = i > 300;
     const double T = cools ? 420 - 130.0 / 299 * (i - 300) : 290 + 130.0 / 300 * i;
