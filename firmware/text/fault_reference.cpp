@@ -1,14 +1,15 @@
 #include "firmware/text/fault_reference.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <fmt/format.h>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "firmware/safety/faults/table.hpp"
+#include "model/files/similar.hpp"
 #include "model/files/text_table.hpp"
 
 namespace smaservo::text {
@@ -55,22 +56,6 @@ std::string deglitch(const FaultRow& row) {
   }
   return row.deglitch_s < 1 ? fmt::format("after {:g} ms", 1e3 * row.deglitch_s)
                             : fmt::format("after {:g} s", row.deglitch_s);
-}
-
-/// The edit distance of Levenshtein.
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0U : 1U)});
-      diagonal = above;
-    }
-  }
-  return row.back();
 }
 
 std::optional<unsigned> number(std::string_view digits, int base) {
@@ -133,32 +118,21 @@ std::string explain_fault(Fault fault) {
 
 Fault find_fault(std::string_view name_or_code) {
   const std::optional<unsigned> wanted = code(name_or_code);
+  std::string name(name_or_code);
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
   const auto* row = std::ranges::find_if(fault_rows, [&](const FaultRow& r) {
-    return r.name == name_or_code || (wanted && r.code == *wanted);
+    return r.name == name || (wanted && r.code == *wanted);
   });
   return row == fault_rows.end() ? Fault::none : row->fault;
 }
 
 std::vector<std::string> similar_faults(std::string_view name) {
-  struct Candidate {
-    std::size_t distance;
-    std::string_view name;
-  };
-  std::vector<Candidate> candidates;
+  std::vector<std::string> names;
+  names.reserve(fault_rows.size());
   for (const FaultRow& row : fault_rows) {
-    // A part of a name counts as one typing mistake.
-    const bool part = name.size() >= 3 && row.name.find(name) != std::string_view::npos;
-    candidates.push_back({part ? 1 : distance(name, row.name), row.name});
+    names.emplace_back(row.name);
   }
-  std::ranges::sort(candidates, {},
-                    [](const Candidate& c) { return std::pair(c.distance, c.name); });
-  std::vector<std::string> close;
-  for (const Candidate& c : candidates) {
-    if (close.size() < 3 && c.distance <= 1 + c.name.size() / 3) {
-      close.emplace_back(c.name);
-    }
-  }
-  return close;
+  return files::similar(name, names);
 }
 
 }  // namespace smaservo::text

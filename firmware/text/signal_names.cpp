@@ -8,6 +8,7 @@
 
 #include "firmware/signals.hpp"
 #include "model/files/error.hpp"
+#include "model/files/similar.hpp"
 
 namespace smaservo::text {
 namespace {
@@ -35,13 +36,13 @@ std::size_t signal_row(const std::string& name) {
   if (const std::string_view now = renamed_signal(name); !now.empty()) {
     throw files::UserError(fmt::format("{}: is now called {}", name, now));
   }
-  std::vector<std::string_view> names;
+  std::vector<std::string> names;
   names.reserve(signal_count);
   for (const Signal<double>& row : rows) {
-    names.push_back(row.name);
+    names.emplace_back(row.name);
   }
-  throw files::UserError(
-      fmt::format("{}: no such signal; there are: {}", name, fmt::join(names, ", ")));
+  throw files::UserError(fmt::format("{}: no such signal{}; there are: {}", name,
+                                     files::did_you_mean(name, names), fmt::join(names, ", ")));
 }
 
 std::string_view renamed_signal(std::string_view former) {

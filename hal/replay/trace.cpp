@@ -143,8 +143,7 @@ struct TraceReader::Impl {
     if (!(time_s > last_time_s)) {
       const bool counts = columns->unit(Column::time).suffix != "s";
       const double period_s = counts ? wrap_s(last_time_s, time_s, step_s) : 0;
-      const BadRow fallen{columns->position(Column::time),
-                          falls_back(read_s, last_time_s - offset_s)};
+      BadRow fallen{columns->position(Column::time), falls_back(read_s, last_time_s - offset_s)};
       if (period_s == 0) {
         return fallen;
       }

@@ -11,6 +11,7 @@
 
 #include "hal/recording/trimmed.hpp"
 #include "model/files/error.hpp"
+#include "model/files/similar.hpp"
 
 namespace smaservo::hal {
 namespace {
@@ -303,8 +304,8 @@ void TraceColumns::apply_rename(const std::string& rename) {
   }
   const auto found = find_column(column);
   if (!found) {
-    fail(fmt::format("--column {}: there is no column {}; there are: {}", rename, column,
-                     fmt::join(names_, ", ")));
+    fail(fmt::format("--column {}: there is no column {}{}; there are: {}", rename, column,
+                     files::did_you_mean(column, names_), fmt::join(names_, ", ")));
   }
   const std::size_t i = *found;
   if (targets_[i].value != column_count) {

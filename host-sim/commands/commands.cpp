@@ -20,11 +20,20 @@
 #include "host-sim/tune/tune_command.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
+#include "model/files/similar.hpp"
 
 namespace smaservo::commands {
 namespace {
 
 constexpr int wrong_command_line = 2;
+
+std::vector<std::string> names_of_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
 
 }  // namespace
 
@@ -58,7 +67,9 @@ int run_host_sim(int argc, char** argv) {
     return result.get_exit_code();
   } catch (const CLI::ParseError& error) {
     if (argc > 1 && *argv[1] != '-' && app.get_subcommands().empty()) {
-      files::complain("host-sim", fmt::format("{}: no such command", argv[1]));
+      files::complain("host-sim",
+                      fmt::format("{}: no such command{}", argv[1],
+                                  files::did_you_mean(argv[1], names_of_commands(app))));
     }
     return app.exit(error) == 0 ? 0 : wrong_command_line;
   }

@@ -17,6 +17,7 @@
 #include "firmware/text/signal_names.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
+#include "model/files/similar.hpp"
 
 namespace smaservo::text {
 namespace {
@@ -114,27 +115,12 @@ std::optional<KnownObject> named(const std::string& name) {
   return std::nullopt;
 }
 
-/// The names that have the most groups of three letters in common with this one.
 std::vector<std::string> close_names(std::string_view name) {
-  std::vector<std::pair<int, std::string>> scored;
-  for (const KnownObject& object : known_objects()) {
-    int score = 0;
-    for (std::size_t i = 0; i + 3 <= name.size(); ++i) {
-      score += object.name.find(name.substr(i, 3)) != std::string::npos ? 1 : 0;
-    }
-    const int needed = static_cast<int>(name.size()) / 2;
-    if (name.size() > 2 && score >= needed) {
-      scored.emplace_back(-score, object.name);
-    }
-  }
-  std::ranges::sort(scored);
   std::vector<std::string> names;
-  for (const auto& [score, close] : scored) {
-    if (names.size() < 3) {
-      names.push_back(close);
-    }
+  for (const KnownObject& object : known_objects()) {
+    names.push_back(object.name);
   }
-  return names;
+  return files::similar(name, names);
 }
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes) {

@@ -9,6 +9,7 @@
 
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
+#include "model/files/similar.hpp"
 
 namespace smaservo::files {
 namespace {
@@ -104,9 +105,13 @@ std::string unknown_key(std::span<const Field> fields, const std::string& key) {
       tables.push_back(table);
     }
   }
-  return there.empty()
-             ? fmt::format("unknown table; the tables are: {}", fmt::join(tables, ", "))
-             : fmt::format("unknown key; [{}] has: {}", table_of(key), fmt::join(there, ", "));
+  if (there.empty()) {
+    return fmt::format("unknown table{}; the tables are: {}",
+                       did_you_mean(table_of(key), {tables.begin(), tables.end()}),
+                       fmt::join(tables, ", "));
+  }
+  return fmt::format("unknown key{}; [{}] has: {}", did_you_mean(name_of(key), there),
+                     table_of(key), fmt::join(there, ", "));
 }
 
 /// The value that a file gives to one key.

@@ -5,6 +5,7 @@
 
 #include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
+#include "model/files/similar.hpp"
 #include "model/files/toml/toml_fields.hpp"
 
 namespace smaservo::files {
@@ -137,7 +138,9 @@ void TomlTable::finish() const {
   }
   for (const auto& [key, node] : table_) {
     if (!taken_.contains(key.str())) {
-      fail(key.str(), fmt::format("unknown key; allowed: {}", fmt::join(known_, ", ")));
+      fail(key.str(), fmt::format("unknown key{}; allowed: {}",
+                                  did_you_mean(key.str(), {known_.begin(), known_.end()}),
+                                  fmt::join(known_, ", ")));
     }
   }
 }

@@ -9,6 +9,7 @@
 
 #include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
+#include "model/files/similar.hpp"
 #include "model/files/toml/toml_fields.hpp"
 #include "model/files/wire/presets.hpp"
 #include "model/files/wire/wire_fields.hpp"
@@ -113,9 +114,9 @@ Loaded load(const std::string& name_or_path, const std::filesystem::path& folder
   if (auto preset = load_preset(name_or_path)) {
     return *std::move(preset);
   }
-  throw ConfigError(
-      fmt::format("{}: no such wire; a file's name ends in .toml, the presets are: {}",
-                  name_or_path, fmt::join(preset_names(), ", ")));
+  throw ConfigError(fmt::format(
+      "{}: no such wire{}; a file's name ends in .toml, the presets are: {}", name_or_path,
+      did_you_mean(name_or_path, preset_names()), fmt::join(preset_names(), ", ")));
 }
 
 WireDescription finish(Loaded loaded, const std::vector<Override>& overrides) {

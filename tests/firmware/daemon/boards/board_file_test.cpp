@@ -78,7 +78,8 @@ TEST(BoardFile, AMistakeNamesFileKeyValueAndRange) {
       {"max_mA", "greatest_mA", "drive.greatest_mA = 500: is now called max_mA"},
       {"[lines.kick]", "[lines.kock]", "lines.kock"},
       {"[lines.kick]", "[ceilings]\ncurrent_A = 1\n[lines.kick]",
-       "ceilings.current_A = 1: unknown key; allowed: current_mA, power_W, stress_MPa"},
+       "ceilings.current_A = 1: unknown key (did you mean current_mA or trip_current_mA?); "
+       "allowed: current_mA"},
       {"[lines.kick]", "[ceilings]\npower_W = 0\n[lines.kick]", "ceilings.power_W = 0: must be"},
   };
   for (const Case& c : cases) {
