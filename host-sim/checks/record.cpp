@@ -93,13 +93,34 @@ Recorder::Recorder(const hal::TraceReader& trace, std::size_t most) : most_(most
 }
 
 void Recorder::add(const hal::TraceRow& row) {
-  if (rows() >= most_) {
+  if (rows() >= most_ && rows() % block == 0) {
+    thin();
+  }
+  if (seen_++ / block % stride_ != 0) {
     return;
   }
   record_.lines.push_back(row.line);
   for (const hal::Column column : kept_) {
     values_[index_of(column)].push_back(row[column]);
   }
+}
+
+/// Drops every second block; most_ is many blocks.
+void Recorder::thin() {
+  const auto halve = [](auto& values) {
+    std::size_t to = 0;
+    for (std::size_t from = 0; from < values.size(); ++from) {
+      if (from / block % 2 == 0) {
+        values[to++] = values[from];
+      }
+    }
+    values.resize(to);
+  };
+  halve(record_.lines);
+  for (const hal::Column column : kept_) {
+    halve(values_[index_of(column)]);
+  }
+  stride_ *= 2;
 }
 
 Record Recorder::finish(const std::string& name, const Geometry<double>& geometry) {

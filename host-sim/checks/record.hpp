@@ -64,7 +64,8 @@ class Recorder {
  public:
   static constexpr std::size_t all_rows = std::numeric_limits<std::size_t>::max();
 
-  /// Keeps the first `most` rows.
+  /// Of a trace of more rows than `most`, every second, fourth, ... block of rows is kept, so that
+  /// the record is of the whole trace, and most rows still have their neighbours.
   explicit Recorder(const hal::TraceReader& trace, std::size_t most = all_rows);
 
   void add(const hal::TraceRow& row);
@@ -78,8 +79,12 @@ class Recorder {
  private:
   Record record_;
   std::array<std::vector<double>, hal::column_count> values_;
+  void thin();
+
+  static constexpr std::size_t block = 256;  ///< rows
   std::vector<hal::Column> kept_;
   std::size_t most_;
+  std::size_t seen_ = 0, stride_ = 1;  ///< rows; of so many blocks one is kept
 };
 
 }  // namespace smaservo::checks

@@ -18,7 +18,7 @@ using checks::Record;
 using checks::RunKind;
 using hal::Column;
 
-constexpr std::size_t most_rows = 1'000'000;
+constexpr std::size_t most_rows = std::size_t{1} << 20;
 constexpr double heats_W_m = 0.1;  ///< still air removes 0.04 to 0.07 W/mK from any thin wire
 
 /// The columns that mean something, in the order of the reader's own.
@@ -294,6 +294,10 @@ Facts inspect(const InspectOptions& options) {
   }
   const Geometry<double>& geometry = options.wire.wire.geometry;
   facts.columns = ranges.facts();
+  if (std::ranges::none_of(facts.columns, &ColumnFacts::is_number)) {
+    throw hal::TraceError(
+        fmt::format("{}: no column has numbers; is it a table of measurements?", facts.name));
+  }
   facts.record = recorder.finish(facts.name, geometry);
   Record& record = facts.record;
   record.kind = kind_of(record, geometry);

@@ -56,7 +56,7 @@ struct Facts {
   std::vector<double> loads_MPa;  ///< levels of stress at which the wire was heated
   std::vector<checks::Finding> findings;
   std::vector<Use> uses;
-  checks::Record record;  ///< the first million rows
+  checks::Record record;  ///< of a million rows
 };
 
 /// Reads the file; bad rows are skipped and counted. Throws TraceError for what no command can

@@ -13,6 +13,11 @@
 namespace smaservo::inspect {
 namespace {
 
+std::string shortened(const std::string& name) {
+  constexpr std::size_t longest = 30;
+  return files::printable(name.size() > longest ? name.substr(0, longest) + "..." : name);
+}
+
 files::TextTable columns_of(const Facts& facts) {
   files::TextTable table({{"no.", "{}", "column"},
                           {.heading = "name", .key = "name"},
@@ -24,11 +29,11 @@ files::TextTable columns_of(const Facts& facts) {
                          "");
   for (std::size_t i = 0; i < facts.columns.size(); ++i) {
     const ColumnFacts& c = facts.columns[i];
+    const std::string name = shortened(c.name);
     if (!c.is_number) {
-      table.add({i + 1, files::printable(c.name), "text"});
+      table.add({i + 1, name, "text"});
     } else {
-      table.add({i + 1, files::printable(c.name), c.meaning.empty() ? "-" : c.meaning, c.low,
-                 c.high,
+      table.add({i + 1, name, c.meaning.empty() ? "-" : c.meaning, c.low, c.high,
                  std::isfinite(c.step) ? files::TextTable::Cell(c.step) : files::TextTable::Cell(),
                  c.unit});
     }

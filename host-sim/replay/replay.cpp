@@ -166,8 +166,8 @@ double default_load_N(const ReplayOptions& options, const hal::TraceReader& trac
       options.trace));
 }
 
-/// So many rows are kept for the checks: at 1 kHz a quarter of an hour.
-constexpr std::size_t most_checked = 1'000'000;
+/// So many rows are kept for the checks.
+constexpr std::size_t most_checked = std::size_t{1} << 16;
 
 void check_record(const ReplayOptions& options, checks::Recorder recorder, checks::RunKind kind,
                   double lead_resistance_ohm) {
