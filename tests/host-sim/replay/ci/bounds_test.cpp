@@ -78,7 +78,9 @@ TEST(ReplayBounds, AValueThatEqualsItsBoundPasses) {
     // All quantiles on the grid of 0.01 %, as a person writes them.
     const std::string written = fmt::format("{:.2f}", 0.01 * (1 + i));
     const double value = std::stod(written);
-    const replay::ReplayResult flat = result_of(std::vector(20, value - 0.005));
+    std::vector<double> errors(40, value - 0.005);
+    errors.push_back(900);  // above the quantile, which is then not cut to the maximum
+    const replay::ReplayResult flat = result_of(errors);
     EXPECT_THAT(misses(replay::parse_fail_above("p95=" + written), flat), IsEmpty()) << written;
 
     const replay::ReplayResult one = result_of({error(random), error(random), error(random)});

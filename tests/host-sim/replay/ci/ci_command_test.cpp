@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/host-sim/program.hpp"
 #include "tests/host-sim/replay/replays.hpp"
@@ -231,6 +232,29 @@ TEST_F(ReplayInCi, MistakesInExpectationsAreNamedWithFileAndLine) {
   EXPECT_THAT(refused({"a.csv", "--expect", "none.toml"}), HasSubstr("none.toml"));
   EXPECT_NE(refused({"a.csv", "--expect", ""}), "") << "a variable that is not set";
   EXPECT_NE(refused({"a.csv", "--fail-above", ""}), "");
+}
+
+/// The keys that a message of an unknown key lists.
+std::vector<std::string> allowed_keys(const std::string& message) {
+  const std::string mark = "allowed: ";
+  std::istringstream in(message.substr(message.find(mark) + mark.size()));
+  std::vector<std::string> keys;
+  for (std::string key; in >> key;) {
+    keys.push_back(key.substr(0, key.find(',')));
+  }
+  return keys;
+}
+
+TEST_F(ReplayInCi, TheReadmeHasEveryKeyOfExpectations) {
+  const std::string readme = file_text(source_folder() + "/host-sim/replay/README.md");
+  for (const char* toml : {"[default]\nx = 1\n", "[default.estimate]\nx = 1\n",
+                           "[default.estimate]\nstrain = {x = 1}\n"}) {
+    const std::vector<std::string> keys = allowed_keys(unexpected(toml, {"a.csv"}));
+    EXPECT_GE(keys.size(), 4U);
+    for (const std::string& key : keys) {
+      EXPECT_THAT(readme, HasSubstr("`" + key + "`"));
+    }
+  }
 }
 
 }  // namespace
