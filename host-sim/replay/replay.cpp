@@ -1,5 +1,6 @@
 #include "host-sim/replay/replay.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -96,6 +97,10 @@ class Sink {
     point.martensite = row.martensite;
     point.r_phase = row.r_phase;
     result_.series.add(point);
+    const std::array values{row.strain, point.temperature_degC, row.martensite, row.resistance_ohm};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      result_.columns[i].add(values[i]);
+    }
     result_.invalid += row.valid ? 0U : 1U;
     ++result_.rows;
     last_ref_ = row.strain_ref;
@@ -311,6 +316,17 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
 }
 
 }  // namespace
+
+void ColumnSummary::add(double value) {
+  if (std::isnan(value)) {
+    ++empty;
+    return;
+  }
+  min = std::min(min, value);
+  max = std::max(max, value);
+  sum += value;
+  ++count;
+}
 
 ReplayResult replay(const ReplayOptions& options) {
   const auto start = std::chrono::steady_clock::now();

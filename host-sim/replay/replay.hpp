@@ -1,9 +1,12 @@
 #pragma once
 // The estimation loop on a recorded trace.
 
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/replay/trace.hpp"
@@ -34,6 +37,20 @@ struct ObserverResult {
   bool lost = false;      ///< an error was above 20 %, later than a second after a start
 };
 
+/// What the values of a column of the estimate were, in the unit of its name.
+struct ColumnSummary {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+  double sum = 0;
+  std::uint64_t count = 0;
+  std::uint64_t empty = 0;  ///< rows without a value
+
+  void add(double value);
+  double mean() const { return sum / static_cast<double>(count); }
+};
+inline constexpr std::array<std::string_view, 4> summarized_columns{
+    "strain", "wire_temperature_degC", "martensite", "resistance_ohm"};
+
 struct ReplayResult {
   bool open_loop = false;  ///< the trace has temperature and stress instead of voltage and current
   bool timed = false;      ///< rows have a time
@@ -48,6 +65,7 @@ struct ReplayResult {
   std::vector<std::string> complaints, clock_notes;
   double duration_s = 0;
   double elapsed_s = 0;
+  std::array<ColumnSummary, summarized_columns.size()> columns;  ///< in the order of their names
   report::ReplaySeries series;
 };
 

@@ -128,7 +128,7 @@ std::string summary(const ReplayOptions& options, const ReplayResult& result) {
   return text + unit_of_errors(options) + "\n" + errors(result).text();
 }
 
-std::string summary_json(const ReplayOptions& options, const ReplayResult& result) {
+nlohmann::ordered_json summary_object(const ReplayOptions& options, const ReplayResult& result) {
   nlohmann::ordered_json json{{"trace", options.trace},
                               {"wire", options.wire.name},
                               {"model_alone", result.open_loop},
@@ -148,7 +148,11 @@ std::string summary_json(const ReplayOptions& options, const ReplayResult& resul
       json["error"][result.observers[i].name] = rows[i];
     }
   }
-  return files::json_text(json);
+  return json;
+}
+
+std::string summary_json(const ReplayOptions& options, const ReplayResult& result) {
+  return files::json_text(summary_object(options, result));
 }
 
 }  // namespace smaservo::replay

@@ -129,7 +129,7 @@ TEST(Command, WrongArgumentsEndWith2AndAMessage) {
                          {"--nonsense"},
                          {"replay"},
                          {"replay", "--nonsense", "t.csv"},
-                         {"replay", "a.csv", "b.csv"},
+                         {"replay-device", "s.toml", "a.csv", "b.csv"},
                          {"replay", "--observer", "clairvoyant", "t.csv"},
                          {"replay", "--load-N", "heavy", "t.csv"},
                          {"replay", "--load-N", "1", "--stress-MPa", "2", "t.csv"},

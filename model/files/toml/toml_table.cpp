@@ -18,6 +18,14 @@ void TomlTable::fail(std::string_view key, const std::string& reason) const {
                                                   table_.source().begin.line, path, reason));
 }
 
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> all;
+  for (const auto& [key, node] : table_) {
+    all.emplace_back(key.str());
+  }
+  return all;
+}
+
 const toml::node& TomlTable::needed(std::string_view key) {
   taken_.emplace(key);
   const toml::node* node = table_.get(key);

@@ -26,6 +26,8 @@ class TomlTable {
     return table_.contains(key);
   }
   const std::string& path() const { return path_; }
+  /// All keys that the file has here.
+  std::vector<std::string> keys() const;
 
   double number(std::string_view key, double low, double high);
   double number(std::string_view key, double low, double high, double otherwise) {
@@ -40,6 +42,7 @@ class TomlTable {
   /// Two numbers, the first one not above the second.
   std::pair<double, double> range(std::string_view key, double low, double high);
   bool is_list(std::string_view key) const { return table_[key].is_array(); }
+  bool is_table(std::string_view key) const { return table_[key].is_table(); }
   TomlTable table(std::string_view key);
   /// Like table(); an empty table if the key is missing.
   TomlTable table_or_empty(std::string_view key);
