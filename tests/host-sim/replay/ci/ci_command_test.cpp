@@ -208,7 +208,8 @@ TEST_F(ReplayInCi, ColumnsOfTheEstimateHaveBounds) {
 
 TEST_F(ReplayInCi, MistakesInExpectationsAreNamedWithFileAndLine) {
   const std::vector<std::pair<std::string, std::string>> mistakes{
-      {"[default]\nmedian = 1\n", "expect.toml:2: default.median = 1: unknown key; allowed: "},
+      {"[default]\nmedian = 1\n",
+       "expect.toml:2: default.median = 1: unknown key (did you mean mean?); allowed: "},
       {"[\"a.csv\"]\n\nmean = -1\n", "expect.toml:3: a.csv.mean = -1: "},
       {"[default]\nmax = \"1\"\n", "expect.toml:2: default.max = '1'"},
       {"[default]\nmax = nan\n", "expect.toml:2: default.max = nan"},
