@@ -89,14 +89,16 @@ std::string meaning_of_end(int status, const std::string& said) {
     const int signal = WTERMSIG(status);
     return signal == SIGXCPU || signal == SIGKILL
                ? "it takes more than a minute or more memory than there is; save it as CSV"
-               : "the library that reads it crashed, so the file is damaged; save it as CSV";
+               : "the library that reads it crashed, so the file is probably damaged; save it as "
+                 "CSV";
   }
   if (WEXITSTATUS(status) == not_started) {
     return fmt::format(
         "the libraries that read it are not all installed ({}); install Debian's packages {}", said,
         table_packages);
   }
-  return said.empty() ? fmt::format("the program that reads it ended with {}", WEXITSTATUS(status))
+  return said.empty() ? fmt::format("the program that reads it ended with {}; save it as CSV",
+                                    WEXITSTATUS(status))
                       : said;
 }
 
@@ -127,10 +129,10 @@ ForeignTable::ForeignTable(int file, const std::string& program) : program_(prog
   if (failed != 0) {
     child_ = -1;
     end_child();
-    throw files::UserError(fmt::format(
-        "is read by the program smaservo-table, which cannot be started ({}: {}); the package "
-        "smaservo and the build have it",
-        program, std::strerror(failed)));
+    throw files::UserError(
+        fmt::format("is read by the program smaservo-table, which cannot be started ({}: {}); it "
+                    "belongs to the package smaservo, and to the build as target smaservo-table",
+                    program, std::strerror(failed)));
   }
   try {
     std::array<char, 4096> part{};

@@ -58,7 +58,7 @@ void write_spreadsheet(const char* path) {
   const SheetCells* const sheet = chosen_sheet(all.sheets);
   if (sheet == nullptr) {
     throw files::UserError(
-        fmt::format("has no rows of numbers in any of its {} sheets", all.sheets.size()));
+        fmt::format("none of its {} sheets has a row of two numbers or more", all.sheets.size()));
   }
   put(fmt::format("sheet '{}'{} of an {} file\n", files::printable(sheet->name),
                   all.sheets.size() == 1 ? "" : fmt::format(", one of {},", all.sheets.size()),
@@ -69,8 +69,8 @@ void write_spreadsheet(const char* path) {
 void write_matlab(const char* path) {
   const MatlabTable table = read_matlab(path);
   put(table.format + (table.left_out == 0   ? "\n"
-                      : table.left_out == 1 ? " without an object of MATLAB\n"
-                                            : " without objects of MATLAB\n"));
+                      : table.left_out == 1 ? ", of which an object of MATLAB was left out\n"
+                                            : ", of which objects of MATLAB were left out\n"));
   for (const std::string& scalar : table.scalars) {
     put("# " + scalar + '\n');
   }
@@ -113,7 +113,7 @@ std::string problem_of(const char* path) {
     write_table(path);
     return std::fflush(stdout) == 0 ? "" : "the table cannot be written";
   } catch (const std::bad_alloc&) {
-    return "takes more than 4 GiB of memory";
+    return "takes more than 4 GiB of memory; save the table as CSV";
   } catch (const std::exception& error) {
     return error.what();
   }

@@ -275,8 +275,8 @@ class Reading {
       left /= std::max<std::size_t>(variable.dims[i], 1);
     }
     if (left == 0) {
-      throw files::UserError(
-          fmt::format("the file is damaged: '{}' says to be larger than the file", name));
+      throw files::UserError(fmt::format(
+          "the file is damaged: the size of '{}' is more than the file can hold", name));
     }
   }
 
@@ -348,7 +348,8 @@ class Reading {
     const std::size_t count = down ? columns_of(variable) : rows_of(variable);
     constexpr std::size_t most = 10'000;
     if (count > most || made.columns.size() + count > most) {
-      throw files::UserError(fmt::format("'{}' has more than {} columns", candidate.name, most));
+      throw files::UserError(fmt::format("has more than {} columns ('{}'); save fewer variables",
+                                         most, candidate.name));
     }
     const auto fits = std::ranges::find(texts, count, &std::vector<std::string>::size);
     const bool has_texts = count > 1 && fits != texts.end();

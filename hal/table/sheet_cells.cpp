@@ -41,7 +41,8 @@ void SheetCells::add(std::size_t row, std::size_t column, std::string_view text,
     return;
   }
   if (row >= most_rows || column >= most_columns || cells_.size() >= most_cells) {
-    throw files::UserError("a sheet is larger than 1048576 rows, 16384 columns, 30 million cells");
+    throw files::UserError(
+        "a sheet has more than 1048576 rows, 16384 columns or 30 million cells; save it as CSV");
   }
   if (!cells_.empty() &&
       (row < cells_.back().row || (row == cells_.back().row && column <= cells_.back().column))) {

@@ -58,7 +58,9 @@ void on_text(void* data, const char* text, int size) {
 
 void on_document_type(void* data, const char* /*name*/, const char* /*system*/,
                       const char* /*public_id*/, int /*internal*/) {
-  hearing(data)([] { throw files::UserError("declares a document type, as no spreadsheet does"); });
+  hearing(data)([] {
+    throw files::UserError("declares a document type (DOCTYPE), which is refused; save it as CSV");
+  });
 }
 
 }  // namespace

@@ -59,8 +59,9 @@ void check_alloy(const Record& record, const RecordedWire& wire, Findings& found
   if (most_K < no_heat_K) {
     found.push_back(
         {"heat", false,
-         fmt::format("the wire is never heated: its power warms it by {:.2g} K at most, and it "
-                     "transforms 30 to 80 K above the air; an estimate shows a wire at rest",
+         fmt::format("the wire is never heated: the power warms it by {:.2g} K at most, and a wire "
+                     "transforms 30 to 80 K above the air, so an estimate shows a wire at rest. If "
+                     "it was heated, check the units of current and voltage, and the length",
                      std::max(most_K, 0.0))});
     return;
   }
@@ -70,16 +71,17 @@ void check_alloy(const Record& record, const RecordedWire& wire, Findings& found
     found.push_back(
         {"alloy", true,
          fmt::format("the resistance rises from {:.4g} to {:.4g} ohm where the wire is heated, as "
-                     "that of copper, steel or tungsten; NiTi's falls by 5 to 20 % when it "
-                     "transforms. Is it a shape-memory wire, and was it measured by four wires?",
+                     "that of copper, steel or tungsten; the resistance of NiTi falls by 5 to 20 % "
+                     "when it transforms. Check that it is a shape-memory wire, and that the "
+                     "voltage was measured at its ends by two wires of their own",
                      ends.cold_ohm, ends.hot_ohm)});
   } else if (transformed && ends.change < least_change) {
     found.push_back(
         {"alloy", true,
          fmt::format("the resistance changes by {:.1g} % while the power would warm the wire by "
-                     "{:.0f} K in still air; NiTi's falls by 5 to 20 % when it transforms. Is it "
-                     "a shape-memory wire (nichrome and constantan stay the same), and are length "
-                     "and diameter right?",
+                     "{:.0f} K in still air; the resistance of NiTi falls by 5 to 20 % when it "
+                     "transforms. Check that it is a shape-memory wire (nichrome and constantan "
+                     "stay the same), and its length and diameter",
                      100 * ends.change, ends.warming_K)});
   }
 }

@@ -92,11 +92,12 @@ bool is_noisy_elsewhere(const Values& values, const Stretch& stretch) {
          span_of(values) > 1000 * step_of(values);
 }
 
+}  // namespace
+
 /// A source may hold current or voltage exactly, which is no clipping. The resistance of a wire
 /// stays within 40 %, so the other quantity then changes by no more than that.
 void check_converters(const Record& record, Findings& found) {
-  const auto check = [&](const Values& held_values, const Values& others, const char* name,
-                         hal::Column column) {
+  const auto check = [&](const Values& held_values, const Values& others, bool is_voltage) {
     if (held_values.empty() || others.empty()) {
       return;
     }
@@ -108,15 +109,18 @@ void check_converters(const Record& record, Findings& found) {
     if (max > 1.4 * std::max(min, 0.0)) {
       found.push_back(
           {"clipped", true,
-           fmt::format("{} stands still at {:.6g} for {} rows ({} on, {}) while the other changes "
-                       "by more than a wire's resistance can; its converter is clipped, widen its "
-                       "range",
-                       name, stretch.value, stretch.count, record.row(stretch.first),
-                       record.column(column, "no column"))});
+           fmt::format(
+               "{} stands still at {:.6g} {} for {} rows ({} on, {}) while {} changes by "
+               "more than 40 %, which no wire's resistance allows; the converter is "
+               "clipped: record again with a wider range",
+               is_voltage ? "voltage" : "current", stretch.value, is_voltage ? "V" : "A",
+               stretch.count, record.row(stretch.first),
+               record.column(is_voltage ? hal::Column::voltage : hal::Column::current, "no column"),
+               is_voltage ? "the current" : "the voltage")});
     }
   };
-  check(record.voltage_V, record.current_A, "voltage", hal::Column::voltage);
-  check(record.current_A, record.voltage_V, "current", hal::Column::current);
+  check(record.voltage_V, record.current_A, true);
+  check(record.current_A, record.voltage_V, false);
 }
 
 /// A column of strain, temperature or resistance is clipped if (1) more than a tenth of its rows
@@ -127,6 +131,7 @@ void check_converters(const Record& record, Findings& found) {
 void check_sensors(const Record& record, Findings& found) {
   struct Named {
     const char* name;
+    const char* unit;
     hal::Column column;
     const Values& values;
   };
@@ -135,12 +140,12 @@ void check_sensors(const Record& record, Findings& found) {
   const auto strain = record.places[static_cast<std::size_t>(hal::Column::strain_ref)].column > 0
                           ? hal::Column::strain_ref
                           : hal::Column::displacement;
-  const Named columns[] = {
-      {"strain", strain, record.strain},
-      {"temperature", hal::Column::temperature, by_temperature ? record.temperature_K : nothing},
-      {"resistance", hal::Column::resistance, record.resistance_ohm},
-      {"current", hal::Column::current, record.current_A},
-      {"voltage", hal::Column::voltage, record.voltage_V}};
+  const Named columns[] = {{"strain", "", strain, record.strain},
+                           {"temperature", " K", hal::Column::temperature,
+                            by_temperature ? record.temperature_K : nothing},
+                           {"resistance", " ohm", hal::Column::resistance, record.resistance_ohm},
+                           {"current", " A", hal::Column::current, record.current_A},
+                           {"voltage", " V", hal::Column::voltage, record.voltage_V}};
   constexpr std::size_t judged = 3;
   for (std::size_t c = 0; c < judged; ++c) {
     const Values& values = columns[c].values;
@@ -162,20 +167,16 @@ void check_sensors(const Record& record, Findings& found) {
       if (others_change && (breaks_off(values, stretch) || is_noisy_elsewhere(values, stretch))) {
         found.push_back(
             {"clipped", true,
-             fmt::format("{} stands still at {:.6g} for {} rows ({} on, {}) while the wire moves; "
-                         "its converter is clipped or its sensor at a stop, widen its range",
-                         columns[c].name, extreme, stretch.count, record.row(stretch.first),
+             fmt::format("{} stands still at {:.6g}{}, its {} value, for {} rows ({} on, {}) while "
+                         "other columns change; the converter is clipped or the sensor at a stop: "
+                         "record again with a wider range",
+                         columns[c].name, extreme, columns[c].unit,
+                         extreme == max ? "greatest" : "least", stretch.count,
+                         record.row(stretch.first),
                          record.column(columns[c].column, "no column"))});
       }
     }
   }
-}
-
-}  // namespace
-
-void check_clipped(const Record& record, Findings& found) {
-  check_sensors(record, found);
-  check_converters(record, found);
 }
 
 }  // namespace smaservo::checks

@@ -39,16 +39,15 @@ std::vector<Finding> find_mistakes(const Record& record, const RecordedWire& wir
   if (record.lines.empty() && record.stress_Pa.empty() && record.current_A.empty()) {
     return found;
   }
-  check_signs(record, wire, found);
-  check_units(record, wire, found);
   const std::size_t rows =
       std::max({record.stress_Pa.size(), record.current_A.size(), record.temperature_K.size()});
   check_signs(record, wire, found);
   if (rows >= few) {
-    check_clipped(record, found);
+    check_converters(record, found);  // before the resistance that they make wrong
   }
   check_units(record, wire, found);
   if (rows >= few) {
+    check_sensors(record, found);
     check_time(record, wire, found);
     check_alloy(record, wire, found);
   }
@@ -74,7 +73,7 @@ void refuse_mistakes(const Record& record, const RecordedWire& wire,
     const bool is_allowed = std::ranges::find(allowed, finding.check) != allowed.end();
     const std::string text = fmt::format("{}: {}", record.name, finding.text);
     if (finding.is_error && !is_allowed && error.empty()) {
-      error = fmt::format("{}. To go on all the same: --allow {}", text, finding.check);
+      error = fmt::format("{} (to go on all the same: --allow {})", text, finding.check);
     } else {
       files::complain("host-sim", text);
     }

@@ -29,7 +29,7 @@ struct RecordedWire {
 };
 
 /// All that the checks find, errors first. A record of fewer than 20 rows is judged by its units
-/// alone. Cost: a few sorts of each column.
+/// and signs alone. Cost: a few sorts of each column.
 std::vector<Finding> find_mistakes(const Record& record, const RecordedWire& wire);
 
 /// Prints the warnings, and errors of the checks that are `allowed`, on the standard error output.
@@ -42,7 +42,9 @@ using Findings = std::vector<Finding>;
 void check_units(const Record& record, const RecordedWire& wire, Findings& found);
 void check_time(const Record& record, const RecordedWire& wire, Findings& found);
 void check_signs(const Record& record, const RecordedWire& wire, Findings& found);
-void check_clipped(const Record& record, Findings& found);
+/// Clipped current or voltage, and then the other columns.
+void check_converters(const Record& record, Findings& found);
+void check_sensors(const Record& record, Findings& found);
 void check_alloy(const Record& record, const RecordedWire& wire, Findings& found);
 
 /// The power over the wire's surface, in kelvin above the air in still air, with the delay of the
@@ -51,6 +53,6 @@ std::vector<double> heating_K(const Record& record, const Geometry<double>& geom
 
 /// The help of --allow.
 inline constexpr const char* allow_help =
-    "go on although this check of the file fails, as resistivity; repeatable";
+    "only print what this check finds, as resistivity, and go on; repeatable";
 
 }  // namespace smaservo::checks

@@ -76,12 +76,14 @@ void check_heat_flow(const Record& run, Findings& found) {
     wrong = std::isnan(mean.negative) ? !points_up : points_up;
   }
   if (wrong) {
+    const bool both = !std::isnan(mean.positive) && !std::isnan(mean.negative);
     found.push_back(
         {"direction", true,
-         fmt::format("the heat flow runs against the temperature (mean {:.3g} W/g while it "
-                     "rises, {:.3g} W/g while it falls); it must be positive into the sample. "
-                     "If exothermic is up: --column {}",
-                     1e-3 * mean.positive, 1e-3 * mean.negative,
+         fmt::format("the heat flow runs against the temperature ({}); it must be positive into "
+                     "the sample. If exothermic is up: --column {}",
+                     both ? fmt::format("mean {:.3g} W/g while it rises, {:.3g} W/g while it falls",
+                                        1e-3 * mean.positive, 1e-3 * mean.negative)
+                          : "its peak points the wrong way",
                      turned(run, hal::Column::power, "power_W_per_g"))});
   }
 }
@@ -102,7 +104,7 @@ void check_signs(const Record& record, const RecordedWire& wire, Findings& found
          fmt::format("the wire is pushed by {:.4g} MPa ({}); a pull is positive, so if the load "
                      "cell is the wrong way round: --column {}",
                      -1e-6 * middle_Pa, record.column(load, "its load"),
-                     turned(record, load, "load_N"))});
+                     turned(record, load, load == hal::Column::load ? "load_N" : "stress_MPa"))});
   }
   if (const double ohm = range_of(record.resistance_ohm).middle; ohm < 0) {
     found.push_back(
@@ -114,13 +116,15 @@ void check_signs(const Record& record, const RecordedWire& wire, Findings& found
   constexpr double surely = 0.3;
   if (!record.strain.empty() &&
       correlation(record.strain, heating_K(record, wire.geometry)) > surely) {
+    const Place& strain = record.places[static_cast<std::size_t>(hal::Column::strain_ref)];
     found.push_back(
         {"direction", true,
          fmt::format(
              "the wire gets longer where it is heated, and shape-memory wire gets shorter; "
              "strain_ref is positive where the wire is long, displacement_mm where it is short. "
              "If it is the other way round: --column {}",
-             turned(record, hal::Column::displacement, "displacement_mm"))});
+             strain.column > 0 ? fmt::format("strain_ref={}*-1", strain.column)
+                               : turned(record, hal::Column::displacement, "displacement_mm"))});
   }
 }
 

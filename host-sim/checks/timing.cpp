@@ -24,9 +24,14 @@ Values steps_of(const Values& time_s) {
 }
 
 std::string option_for(const Place& place, std::string_view unit) {
-  return place.column == 0 ? "check --period-s"
-                           : fmt::format("if column {} '{}' is in {}: --column time={}:{}",
-                                         place.column, place.name, unit, place.column, unit);
+  if (place.column == 0) {
+    return "check --period-s";
+  }
+  if (place.unit == unit) {
+    return fmt::format("check the times in column {} '{}'", place.column, place.name);
+  }
+  return fmt::format("if column {} '{}' is in {}: --column time={}:{}", place.column, place.name,
+                     unit, place.column, unit);
 }
 
 /// The voltage of a resistance that is the same in neighbouring rows, had it been measured `shift`
@@ -81,11 +86,11 @@ void check_sampling(const Record& record, double step_s, Findings& found) {
   if (shift.rows >= enough && shift.explained > 0.8 && std::abs(shift.steps) > 0.15) {
     found.push_back(
         {"sampling", false,
-         fmt::format("the voltage was measured about {:.2g} ms {} the current: where the current "
-                     "jumps ({} times), the resistance is wrong by up to {:.0f} % of the jump; "
-                     "sample both at the same moment",
+         fmt::format("the voltage was measured about {:.2g} ms {} the current, as {} jumps of the "
+                     "current show: where it jumps by half, the resistance is wrong by up to "
+                     "{:.0f} %; record both at the same moment",
                      1e3 * step_s * std::abs(shift.steps), shift.steps > 0 ? "after" : "before",
-                     shift.rows, 100 * std::abs(shift.steps))});
+                     shift.rows, 50 * std::abs(shift.steps))});
   }
 }
 
@@ -107,10 +112,12 @@ void check_time(const Record& record, const RecordedWire& wire, Findings& found)
   if (step_s > std::max(3 * cools_s, 1.0)) {
     found.push_back(
         {"time", record.time_s.size() > by_hand,
-         fmt::format("the rows are {:.4g} s apart ({} and the one before), in which the wire of "
-                     "{:.4g} um cools altogether (within {:.2g} s); {}",
-                     step_s, record.row(1), 1e6 * wire.geometry.diameter_m, 3 * cools_s,
-                     option_for(place, finer))});
+         fmt::format("half of the rows or more come at least {:.4g} s after the one before, and a "
+                     "wire of {:.4g} um cools within {:.2g} s; {}{}",
+                     step_s, 1e6 * wire.geometry.diameter_m, 3 * cools_s, option_for(place, finer),
+                     record.time_s.size() > by_hand
+                         ? ""
+                         : "; where each row is a settled state, nothing is wrong")});
   } else if (duration_s < 0.05 * cools_s) {
     found.push_back(
         {"time", true,

@@ -163,15 +163,15 @@ void check_resistivity(const Record& record, const RecordedWire& wire, Findings&
                         record.current_A[m.row], record.column(hal::Column::current, "another"));
   const std::string what = fmt::format(
       "a resistance of {:.4g} ohm ({}) means {:.3g} uohm_m for {:.4g} mm of {:.4g} um "
-      "wire, NiTi has 0.5 to 1.5",
+      "wire; NiTi has 0.5 to 1.5",
       m.ohm, where, 1e6 * m.ohm_m, 1e3 * wire.geometry.length_m, 1e6 * wire.geometry.diameter_m);
   if (is_resistivity(m.ohm_m)) {
     if (m.ohm_m > two_wire_ohm_m) {
       found.push_back(
           {"resistivity", false,
            fmt::format(
-               "{} and mostly 0.7 to 1.1; if the leads were measured with the wire, "
-               "measurement.lead_resistance_ohm takes off what they have (about {:.2g} ohm)",
+               "{} and mostly 0.7 to 1.1; if the leads were measured with the wire, take off "
+               "their resistance: replay --set measurement.lead_resistance_ohm={:.2g}",
                what, m.ohm * (1 - usual_resistivity_ohm_m / m.ohm_m))});
     }
     return;
@@ -218,7 +218,10 @@ void check_strain(const Record& record, const RecordedWire& wire, Findings& foun
     found.push_back(
         {"strain", true,
          fmt::format(
-             "strain spans {:.3g}, no wire survives more than {}{}", span, max_record_strain,
+             "the strain spans {:.3g} ({}), and no wire survives more than {}{}", span,
+             record.column(of_displacement ? hal::Column::displacement : hal::Column::strain_ref,
+                           "no column"),
+             max_record_strain,
              !unit.empty() ? unit
                            : fmt::format("; a strain in per cent is strain_ref_percent; for a "
                                          "displacement, check its unit and the length of the wire "
@@ -271,7 +274,7 @@ void check_stress(const Record& record, const RecordedWire& wire, Findings& foun
   if (*largest > max_stress_Pa) {
     found.push_back(
         {"stress", true,
-         fmt::format("the stress reaches {:.4g} MPa ({}), above {} MPa a wire breaks; {}",
+         fmt::format("the stress reaches {:.4g} MPa ({}), and above {} MPa a wire breaks; {}",
                      1e-6 * *largest,
                      record.row(static_cast<std::size_t>(largest - record.stress_Pa.begin())),
                      1e-6 * max_stress_Pa, cause_of_load(record, *largest, wire))});
@@ -305,15 +308,16 @@ void check_temperature(const Record& record, Findings& found) {
   const auto [coldest, hottest] = std::ranges::minmax(record.temperature_K);
   if (hottest < coldest_K || coldest > hottest_K) {
     const Place& place = place_of(record, hal::Column::temperature);
+    const std::string_view other = hottest < coldest_K ? "degC" : "K";
     found.push_back(
         {"temperature", true,
-         fmt::format("temperatures are {:.4g} to {:.4g} K ({:.4g} to {:.4g} degC); {}{}", coldest,
-                     hottest, coldest - zero_degC_K, hottest - zero_degC_K,
-                     hottest < coldest_K ? "are they degC in a column of K?"
-                                         : "are they K in a column of degC?",
-                     place.column == 0 ? ""
-                                       : " " + option("temperature", place,
-                                                      hottest < coldest_K ? "degC" : "K"))});
+         fmt::format(
+             "temperatures are {:.4g} to {:.4g} K ({:.4g} to {:.4g} degC), and no NiTi wire "
+             "transforms beyond {} to {} K; {}{}",
+             coldest, hottest, coldest - zero_degC_K, hottest - zero_degC_K, coldest_K, hottest_K,
+             hottest < coldest_K ? "are they degC in a column of K?"
+                                 : "are they K in a column of degC?",
+             place.column == 0 ? "" : " " + option("temperature", place, other))});
   }
 }
 

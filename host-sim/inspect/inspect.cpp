@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <numeric>
 
 #include "host-sim/checks/statistics.hpp"
 
@@ -130,28 +129,47 @@ RunKind kind_of(const Record& record, const Geometry<double>& geometry) {
   return record.time_s.empty() ? RunKind::settled : RunKind::joule;
 }
 
-void find_times(const Record& record, Facts& facts) {
-  if (record.time_s.size() < 2) {
-    return;
+/// The steps between the rows.
+class Times {
+ public:
+  void add(const hal::TraceRow& row) {
+    const double time_s = row[Column::time];
+    if (std::isnan(first_s_)) {
+      first_s_ = time_s;
+    } else if (steps_.size() < most_rows) {
+      steps_.push_back(time_s - last_s_);
+      if (steps_.back() > longest_s_) {
+        longest_s_ = steps_.back();
+        longest_line_ = row.line;
+      }
+    }
+    last_s_ = time_s;
   }
-  std::vector<double> steps(record.time_s.size());
-  std::adjacent_difference(record.time_s.begin(), record.time_s.end(), steps.begin());
-  steps.erase(steps.begin());
-  const auto longest = std::ranges::max_element(steps);
-  facts.longest_s = *longest;
-  facts.longest_at = record.row(static_cast<std::size_t>(longest - steps.begin()) + 1);
-  std::vector<double> sorted = steps;
-  std::ranges::sort(sorted);
-  const auto at = [&](double share) {
-    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-  };
-  facts.duration_s = record.time_s.back() - record.time_s.front();
-  facts.step_s = at(0.5);
-  // Of a normal distribution two standard deviations.
-  facts.jitter_s = (at(0.84) - at(0.16)) / 2;
-  facts.gaps = static_cast<std::uint64_t>(
-      std::ranges::count_if(steps, [&](double step) { return step > 3 * facts.step_s; }));
-}
+
+  void tell(std::string_view line_word, Facts& facts) {
+    if (steps_.empty()) {
+      return;
+    }
+    std::ranges::sort(steps_);
+    const auto at = [&](double share) {
+      return steps_[static_cast<std::size_t>(share * static_cast<double>(steps_.size() - 1))];
+    };
+    facts.duration_s = last_s_ - first_s_;
+    facts.longest_s = longest_s_;
+    facts.longest_at = fmt::format("{} {}", line_word, longest_line_);
+    facts.step_s = at(0.5);
+    // Of a normal distribution two standard deviations.
+    facts.jitter_s = (at(0.84) - at(0.16)) / 2;
+    facts.gaps = static_cast<std::uint64_t>(
+        std::ranges::count_if(steps_, [&](double step) { return step > 3 * facts.step_s; }));
+  }
+
+ private:
+  double first_s_ = std::numeric_limits<double>::quiet_NaN(), last_s_ = first_s_;
+  double longest_s_ = 0;
+  std::uint64_t longest_line_ = 0;
+  std::vector<double> steps_;
+};
 
 /// Counts how often the wire was heated to at least half of what it was heated to at most, and
 /// cooled again to a quarter; and the levels of stress during these.
@@ -271,10 +289,14 @@ Facts inspect(const InspectOptions& options) {
   facts.timed = trace.timed();
   checks::Recorder recorder(trace, most_rows);
   Ranges ranges(trace);
+  Times times;
   hal::TraceRow row{};
   while (trace.next(row)) {
     recorder.add(row);
     ranges.add(row);
+    if (trace.timed()) {
+      times.add(row);
+    }
   }
   facts.rows = trace.rows();
   facts.bad_rows = trace.skipped();
@@ -301,7 +323,7 @@ Facts inspect(const InspectOptions& options) {
   facts.record = recorder.finish(facts.name, geometry);
   Record& record = facts.record;
   record.kind = kind_of(record, geometry);
-  find_times(record, facts);
+  times.tell(trace.word(), facts);
   facts.resistances = checks::known(record.resistance_ohm).size();
   const checks::Range ohm = checks::range_of(record.resistance_ohm);
   facts.ohm_low = ohm.low;

@@ -116,8 +116,8 @@ std::string paragraph(std::string_view heading, std::string_view text) {
 }
 
 std::string wire_hint() {
-  return "which one is not said, so length, diameter, load and power are not judged; --wire "
-         "NAME (host-sim wires lists them) and --set wire.length_mm=L say it";
+  return "none is given, so only directions, clipping and sampling are checked; name it by --wire "
+         "NAME (host-sim wires lists them) or --set wire.length_mm=L";
 }
 
 report::Panel panel(const char* title, const char* label, int height) {

@@ -121,9 +121,9 @@ TEST(ForeignTable, RefusesWhatIsNoTable) {
   const std::pair<std::string_view, std::string_view> files[] = {
       {"no_sheet.zip", "is a zip archive and no spreadsheet; unpack it first"},
       {"encrypted.ods", "is encrypted; save it without a password"},
-      {"no_rows.xlsx", "has no rows of numbers in any of its 1 sheets"},
+      {"no_rows.xlsx", "none of its 1 sheets has a row of two numbers or more"},
       {"entities.xlsx", "declares a document type"},
-      {"repeated.ods", "a sheet is larger than"},
+      {"repeated.ods", "a sheet has more than"},
       {"object_5.mat", "holds an object of MATLAB"},
       {"object_73.mat",
        "holds 'T', an object of MATLAB, as a table, timetable or timeseries is, which only MATLAB "
@@ -191,10 +191,10 @@ TEST(ForeignTable, SaysHowTheOtherProgramEnded) {
   EXPECT_THAT(said_with(""), HasSubstr("smaservo-table, which cannot be started"));
   EXPECT_EQ(said_with("echo a table"), "");
   EXPECT_EQ(said_with("echo a table; echo one >&2; echo two >&2; exit 1"), "one");
-  EXPECT_EQ(said_with("exit 5"), "the program that reads it ended with 5");
+  EXPECT_EQ(said_with("exit 5"), "the program that reads it ended with 5; save it as CSV");
   EXPECT_EQ(said_with("exit 0"), "smaservo-table wrote nothing");
   EXPECT_THAT(said_with("echo a table; kill -SEGV $$"),
-              HasSubstr("crashed, so the file is damaged"));
+              HasSubstr("crashed, so the file is probably damaged"));
   EXPECT_THAT(said_with("kill -XCPU $$"), HasSubstr("more than a minute"));
   EXPECT_THAT(said_with("echo 'libmatio.so.9: not found' >&2; exit 127"),
               AllOf(HasSubstr("libmatio.so.9"), HasSubstr("install Debian's packages libexpat1 ")));

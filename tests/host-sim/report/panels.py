@@ -48,7 +48,7 @@ def bath(folder, name, stress):
         heats = k < 200
         degC = 20 + (k if heats else 400 - k) / 2
         share = min(max((degC - (70 if heats else 50)) / 20, 0), 1)
-        rows.append(f"{degC},{0.04 * (1 - share):.6f},{8 - share:.6f},{stress}")
+        rows.append(f"{degC},{0.04 * (1 - share):.6f},{22 - 2 * share:.6f},{stress}")
     (folder / name).write_text("\n".join(rows) + "\n")
 
 
