@@ -119,7 +119,7 @@ struct TraceReader::Impl {
     }
     header = text;
     try {
-      columns = std::make_unique<TraceColumns>(text, options, place(1));
+      columns = std::make_unique<TraceColumns>(text, options, place(1), !source->layout().empty());
     } catch (const files::UserError& problem) {
       fail(problem.what());
     }

@@ -134,8 +134,9 @@ std::size_t index_of(std::string_view base) {
 
 }  // namespace
 
-TraceColumns::TraceColumns(std::string_view header, const TraceOptions& options, std::string place)
-    : options_(options), place_(std::move(place)) {
+TraceColumns::TraceColumns(std::string_view header, const TraceOptions& options, std::string place,
+                           bool foreign)
+    : options_(options), place_(std::move(place)), foreign_(foreign) {
   for (std::size_t from = 0; from <= header.size();) {
     const std::size_t comma = std::min(header.find(',', from), header.size());
     names_.emplace_back(trimmed(header.substr(from, comma - from)));
@@ -160,17 +161,28 @@ TraceColumns::TraceColumns(std::string_view header, const TraceOptions& options,
 }
 
 bool TraceColumns::is_own_header(std::string_view line) {
+  std::array<bool, column_count> own{}, foreign{};
   while (!line.empty()) {
     const std::size_t comma = std::min(line.find(','), line.size());
     const std::string_view name = trimmed(line.substr(0, comma));
-    if (std::ranges::any_of(known_columns, [&](const Known& column) {
-          return unit_of(name, column.base, column.kind).has_value();
-        })) {
-      return true;
+    const auto* const known = std::ranges::find_if(known_columns, [&](const Known& column) {
+      return unit_of(name, column.base, column.kind).has_value();
+    });
+    if (known != known_columns.end()) {
+      own[static_cast<std::size_t>(known - known_columns.begin())] = true;
+    } else if (const auto meaning = meaning_of(name); meaning && meaning->doubt.empty()) {
+      foreign[index_of(meaning->base)] = true;
     }
     line.remove_prefix(std::min(comma + 1, line.size()));
   }
-  return false;
+  // Temperatures of other names stand in this project's own logs.
+  for (const Column column : {Column::time, Column::current, Column::voltage, Column::load}) {
+    const auto k = static_cast<std::size_t>(column);
+    if (foreign[k] && !own[k]) {
+      return false;
+    }
+  }
+  return std::ranges::find(own, true) != own.end();
 }
 
 /// Where there is a current and no voltage, a resistance tells the voltage: U = R I.
@@ -390,9 +402,10 @@ void TraceColumns::explain(std::size_t i, const std::string& name) {
       targets_[i].unit = *unit;
       return;
     }
-    // A unit of other programs, as grams, which recognise() will take.
-    if (const auto meaning = meaning_of(name); meaning && meaning->base == column.base &&
-                                               !meaning->unit.empty() && meaning->doubt.empty()) {
+    // A unit of other programs, as grams, which recognise() will take; or no unit, for its hint.
+    const auto meaning = meaning_of(name);
+    if (meaning && meaning->base == column.base &&
+        (meaning->unit.empty() ? foreign_ && name == column.base : meaning->doubt.empty())) {
       return;
     }
     // A known quantity in an unknown unit is an error, not an unknown column. Power in watts is

@@ -22,10 +22,14 @@ struct BadRow {
 
 class TraceColumns {
  public:
-  /// `place` names the header in messages. Throws UserError, which does not name the file.
-  TraceColumns(std::string_view header, const TraceOptions& options, std::string place);
+  /// `place` names the header in messages. In a table of another program (`foreign`), a name of
+  /// this reader without a unit is a hint and no error. Throws UserError, which does not name the
+  /// file.
+  TraceColumns(std::string_view header, const TraceOptions& options, std::string place,
+               bool foreign = false);
 
-  /// Whether the line has a column's name and unit as this reader writes them.
+  /// Whether the line has a column's name and unit as this reader writes them, and time, current,
+  /// voltage and load under no name of another program.
   static bool is_own_header(std::string_view line);
 
   bool has(Column column) const { return has_[static_cast<std::size_t>(column)]; }
@@ -72,6 +76,7 @@ class TraceColumns {
 
   TraceOptions options_;
   std::string place_;
+  bool foreign_;
   std::vector<std::string> names_;
   std::vector<Target> targets_;
   std::vector<std::size_t> unknown_;

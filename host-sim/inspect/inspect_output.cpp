@@ -165,7 +165,7 @@ std::vector<report::Panel> panels_of(const Facts& facts) {
     report::Panel made = panel(drawn.title, drawn.label, 200);
     made.x.label = r.time_s.empty() ? "row" : made.x.label;
     made.series.push_back({.name = "measured",
-                           .colour = "measured",
+                           .colour = "ink",
                            .x = time,
                            .y = report::column_of(rows, [&](std::size_t i) {
                              return drawn.factor * drawn.values[i];

@@ -180,10 +180,10 @@ TEST(Mistakes, AFewWordsAmongNumbersAreLeftOutAndSaid) {
 
 TEST(Mistakes, WhatIsNoTableOfNumbersIsNotConverted) {
   Program program;
-  const Finished f = converted(program, "time_s|current_A|voltage_V|load_N\n0|1|2|3\n1|1|2|3\n");
+  const Finished f = converted(program, "time_s;current_A;note\non;off;x\non;off;y\n");
   EXPECT_EQ(f.status, 1);
-  EXPECT_THAT(f.err, HasSubstr("one column, 'time_s|current_A|voltage_V|load_N'; columns must be "
-                               "separated by commas, not by '|'"));
+  EXPECT_THAT(f.err, HasSubstr("one column, 'time_s;current_A;note'; columns must be "
+                               "separated by commas, not by ';'"));
   EXPECT_THAT(converted(program, "note\nready\nnot ready\n").err,
               HasSubstr("no column has numbers"));
   EXPECT_EQ(program.folder().names().size(), 1U);

@@ -49,28 +49,61 @@ long days_of(int year, int month, int day) {
   return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
 }
 
-/// `2026-11-28` or `28.11.2026`, and what separates it from the clock. A date with slashes is none,
-/// since nobody knows whether its month comes first.
+/// `2026-11-28`, `28.11.2026`, `11/28/2026` or `28/11/2026`, and what separates it from the clock.
+/// With slashes nobody knows whether the month comes first, unless the other number is no month or
+/// the same.
 std::optional<long> take_date(std::string_view& text) {
   std::string_view rest = text;
   const int first = take_digits(rest, 1, 4);
   const char between = rest.empty() ? '\0' : rest.front();
-  if (first < 0 || (between != '-' && between != '.')) {
+  if (first < 0 || (between != '-' && between != '.' && between != '/')) {
     return std::nullopt;
   }
   rest.remove_prefix(1);
-  const int month = take_digits(rest, 1, 2);
-  if (month < 1 || 12 < month || !take(rest, between)) {
+  const int second = take_digits(rest, 1, 2);
+  if (second < 1 || !take(rest, between)) {
     return std::nullopt;
   }
   const int last = take_digits(rest, 1, 4);
-  const int year = between == '-' ? first : last;
-  const int day = between == '-' ? last : first;
-  if (year < 1970 || day < 1 || 31 < day || !(take(rest, 'T') || take(rest, ' '))) {
+  const bool month_first = between == '/' && second > 12;
+  const bool year_first = between == '-' || first > 31;
+  const int month = month_first ? first : second;
+  const int year = year_first ? first : last;
+  const int day = year_first ? last : month_first ? second : first;
+  const bool unknown =
+      between == '/' && !year_first && first <= 12 && second <= 12 && first != second;
+  if (unknown || month < 1 || 12 < month || year < 1970 || day < 1 || 31 < day ||
+      !(take(rest, 'T') || take(rest, ' '))) {
     return std::nullopt;
   }
   text = trimmed(rest);
   return days_of(year, month, day);
+}
+
+/// What stands behind a clock, in seconds to add: `Z`, `+01:00`, ` AM`, ` PM`, or nothing.
+std::optional<long> take_zone(std::string_view text, int hours) {
+  text = trimmed(text);
+  if (text.empty() || text == "Z") {
+    return 0;
+  }
+  if (text == "AM" || text == "am" || text == "PM" || text == "pm") {
+    if (hours < 1 || 12 < hours) {
+      return std::nullopt;
+    }
+    const bool afternoon = text.front() == 'P' || text.front() == 'p';
+    return (afternoon ? (hours == 12 ? 0 : 12) : (hours == 12 ? -12 : 0)) * 3600L;
+  }
+  const bool east = take(text, '+');
+  if (!east && !take(text, '-')) {
+    return std::nullopt;
+  }
+  const int zone_hours = take_digits(text, 2, 2);
+  take(text, ':');
+  const int zone_minutes = text.empty() ? 0 : take_digits(text, 2, 2);
+  if (zone_hours < 0 || zone_minutes < 0 || !text.empty()) {
+    return std::nullopt;
+  }
+  return (east ? -60L : 60L) * (60 * zone_hours + zone_minutes);
 }
 
 std::optional<std::string> seconds_of_clock(std::string_view text, char decimal) {
@@ -87,15 +120,17 @@ std::optional<std::string> seconds_of_clock(std::string_view text, char decimal)
   if (seconds < 0 || 60 < seconds) {
     return std::nullopt;
   }
-  std::string decimals;
+  std::string_view decimals;
   if (take(text, '.') || take(text, decimal)) {
-    decimals = text;
+    const auto* const end = std::ranges::find_if_not(text, is_digit);
+    decimals = text.substr(0, static_cast<std::size_t>(end - text.begin()));
+    text.remove_prefix(decimals.size());
   }
-  take(text, 'Z');
-  if (!std::ranges::all_of(decimals, is_digit) || (decimals.empty() && !text.empty())) {
+  const std::optional<long> zone_s = take_zone(text, hours);
+  const long whole = ((days * 24 + hours) * 60 + minutes) * 60 + seconds + zone_s.value_or(0);
+  if (!zone_s || whole < 0) {
     return std::nullopt;
   }
-  const long whole = ((days * 24 + hours) * 60 + minutes) * 60 + seconds;
   return decimals.empty() ? fmt::format("{}", whole) : fmt::format("{}.{}", whole, decimals);
 }
 
@@ -327,8 +362,9 @@ std::optional<std::string> plain_number(std::string_view field, char decimal) {
 }
 
 std::optional<SheetLayout> find_layout(const std::vector<std::string_view>& lines) {
-  constexpr std::pair<char, char> candidates[] = {{',', '.'},  {';', '.'}, {';', ','}, {'\t', '.'},
-                                                  {'\t', ','}, {' ', '.'}, {' ', ','}};
+  constexpr std::pair<char, char> candidates[] = {{',', '.'},  {';', '.'},  {';', ','},
+                                                  {'\t', '.'}, {'\t', ','}, {'|', '.'},
+                                                  {'|', ','},  {' ', '.'},  {' ', ','}};
   std::optional<Reading> best;
   for (const auto& [separator, decimal] : candidates) {
     Reading how{separator, decimal};

@@ -19,11 +19,6 @@ struct SheetLayout {
   std::size_t first = 0;           ///< number of the first row's line
   bool begins_with_number = true;  ///< a row
   std::vector<std::string> names;  ///< with their units, as "I [mA]"; "1", "2" without a header
-
-  /// Whether the reader's own dialect is the same: comma, point, names in the first line.
-  bool is_own() const {
-    return separator == ',' && decimal == '.' && header == 1 && units == 0 && first == 2;
-  }
 };
 
 /// Whether the fields of a line may be those of a row: as many as the header has, a third of
@@ -34,8 +29,9 @@ bool is_sheet_row(const std::vector<std::string>& fields, const SheetLayout& lay
 /// taken off.
 void split_sheet_line(std::string_view line, char separator, std::vector<std::string>& fields);
 
-/// The number as plain text with a point; nullopt if the field is none. Times as `12:30:05,25` and
-/// `2026-11-28 12:30:05.25` are numbers of seconds, since midnight and since 1970.
+/// The number as plain text with a point; nullopt if the field is none. Times as `12:30:05,25`,
+/// `4:30:05 PM` and `2026-11-28 12:30:05.25+01:00` are numbers of seconds, since midnight and since
+/// 1970.
 std::optional<std::string> plain_number(std::string_view field, char decimal);
 
 /// The layout of a table, by its beginning; nullopt if there is no table of numbers.

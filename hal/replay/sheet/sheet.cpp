@@ -27,14 +27,11 @@ std::vector<std::string_view> lines_of(std::string_view text) {
   return lines;
 }
 
-bool has_quoted_field(std::string_view line) {
-  return line.starts_with('"') || line.find(",\"") != std::string_view::npos;
-}
-
 std::string_view name_of(char separator) {
   return separator == ','    ? "commas"
          : separator == ';'  ? "semicolons"
          : separator == '\t' ? "tabs"
+         : separator == '|'  ? "vertical bars"
                              : "blanks";
 }
 
@@ -102,8 +99,7 @@ CsvOfSheet::CsvOfSheet(Utf8Text::Read read, bool (*is_own_header)(std::string_vi
   const std::size_t end = all.size() < looked_at ? all.size() : all.rfind('\n');
   const auto lines = lines_of(all.substr(0, end));
   const auto layout = find_layout(lines);
-  foreign_ = layout && (is_own_header == nullptr || !layout->is_own() ||
-                        std::ranges::any_of(lines, has_quoted_field));
+  foreign_ = layout.has_value();
   if (!foreign_) {
     return;
   }

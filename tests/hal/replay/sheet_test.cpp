@@ -142,7 +142,7 @@ TEST(Sheet, SaysWhatItTook) {
             "voltage = column 2 'U [mV]' in mV");
   EXPECT_EQ(read("time_s,current_A,voltage_V\n0,1,2\n1,1,2\n").read_as, "") << "our own dialect";
   EXPECT_EQ(read("time_s,U [V],current_A\n0,1,2\n1,1,2\n").read_as,
-            "voltage = column 2 'U [V]' in V");
+            "separated by commas, names in line 1; voltage = column 2 'U [V]' in V");
 }
 
 // What is not certain is not taken, and the option to type is named.
@@ -214,6 +214,25 @@ TEST(Sheet, AClockNeedsNoUnit) {
   const Said said = read("Time;U [V];I [A]\n16:07:05,25;1;2\n16:07:05,50;1;2\n");
   EXPECT_EQ(said.contents.at(1, hal::Column::time) - said.contents.at(0, hal::Column::time), 0.25);
   EXPECT_THAT(said.hints, IsEmpty());
+}
+
+// One name of ours does not make a table ours: its other columns are read as anybody's are.
+TEST(Sheet, OneOwnNameMakesNoOwnTable) {
+  const Said clock = read(
+      "timestamp,current_mA,voltage_mV,load_g\n2026-11-28T16:00:00.000+01:00,12,282,45\n"
+      "2026-11-28T16:00:00.020+01:00,12,282,45\n");
+  EXPECT_NEAR(clock.contents.at(1, hal::Column::time) - clock.contents.at(0, hal::Column::time),
+              0.02, 1e-6);
+  const Said plus = read(
+      "Index,Timestamp (s),Voltage (V),Current (A)\n0,0.0E+00,+2.5E+00,+1.0E-01\n"
+      "1,2.0E-02,+2.5E+00,+1.0E-01\n");
+  EXPECT_EQ(plus.contents.at(1, hal::Column::voltage), 2.5);
+  const Said bare = read(",time,current,voltage\n0,0.5,1,2\n1,0.6,1,2\n");
+  EXPECT_EQ(bare.contents.rows.size(), 2U);
+  EXPECT_THAT(bare.hints,
+              ElementsAre(HasSubstr("--column time=2:s"), HasSubstr("--column current=3:A"),
+                          HasSubstr("--column voltage=4:V")));
+  EXPECT_EQ(read("t [s]|I [A]|U [V]\n0|1|2\n1|1|2\n").contents.at(1, hal::Column::voltage), 2);
 }
 
 TEST(Sheet, ACounterThatWrapsGoesOn) {
@@ -307,7 +326,7 @@ TEST(Sheet, ReadsClocks) {
   EXPECT_EQ(seconds("29.02.2024 00:00:00"), "1709164800");
   EXPECT_EQ(hal::plain_number("12:00:00,5", ','), "43200.5");
   for (const std::string_view field :
-       {"11/28/2026 12:00:00", "12:60:00", "12:00", "a:00:00", "12:00:0x", "1.5.3", "0x10", "inf",
+       {"11/12/2026 12:00:00", "12:60:00", "12:00", "a:00:00", "12:00:0x", "1.5.3", "0x10", "inf",
         "nan", "", "-", "1e999", "2026-13-01 00:00:00"}) {
     EXPECT_FALSE(seconds(field)) << field;
   }
@@ -315,6 +334,24 @@ TEST(Sheet, ReadsClocks) {
 
 // Neither a number that is whole nor one that lacks digits can be told in the last field of a line
 // without an end; a line with too few fields can.
+TEST(Sheet, ReadsZonesHalvesOfTheDayAndCertainSlashes) {
+  const auto seconds = [](std::string_view field) {
+    return hal::plain_number(field, '.').value_or("none");
+  };
+  EXPECT_EQ(seconds("12:00:00+01:00"), "39600");
+  EXPECT_EQ(seconds("12:00:00.5-0230"), "52200.5");
+  EXPECT_EQ(seconds("12:00:05.25 AM"), "5.25");
+  EXPECT_EQ(seconds("12:00:00 pm"), "43200");
+  EXPECT_EQ(seconds("4:07:05 PM"), "58025");
+  EXPECT_EQ(seconds("11/28/2026 12:00:00"), seconds("2026-11-28 12:00:00"));
+  EXPECT_EQ(seconds("28/11/2026 12:00:00"), seconds("2026-11-28 12:00:00"));
+  EXPECT_EQ(seconds("5/5/2026 12:00:00"), seconds("2026-05-05 12:00:00"));
+  for (const char* field : {"11/5/2026 12:00:00", "13:00:00 PM", "0:30:00 AM", "12:00:00+1",
+                            "12:00:00 MEZ", "13/13/2026 12:00:00", "00:30:00+01:00"}) {
+    EXPECT_EQ(seconds(field), "none") << field;
+  }
+}
+
 TEST(Sheet, ALineThatIsCutOffIsSaid) {
   for (const std::string_view text : {"time_s,current_A\n0,1\n1", "Time [s];I [A]\n0;1\n1"}) {
     const Said said = read(text);

@@ -28,9 +28,9 @@ from PIL import Image
 
 WIDTH = 1100
 PROGRAMS = ("chromium", "firefox-esr", "node", "npm", "pdftotext")
-KINDS = ("replay", "simulate", "tune", "figures", "can step", "calibrate-plan", "identify", "compare")
+KINDS = ("replay", "inspect", "simulate", "tune", "figures", "can step", "calibrate-plan", "identify", "compare")
 # What a browser may do differently it does so for a type of panel, and these have all types.
-KINDS_OF = {"chromium": KINDS, "firefox": ("replay", "simulate", "tune", "figures")}
+KINDS_OF = {"chromium": KINDS, "firefox": ("replay", "inspect", "simulate", "tune", "figures")}
 PRINTED = {"chromium": KINDS, "firefox": ("figures",)}  # of pictures, some below a plot and some not
 EXPLORED = "replay"  # with the mouse, and once more without its script
 # Colours of points, which no data says (papers 000 and 001).
@@ -90,6 +90,7 @@ def write_report(kind, host_sim, smaservod, sources, folder):
     traces = sources / "host-sim/traces"
     commands = {
         "replay": ["replay", "--wire", traces / "units/a.toml", traces / "50MPa.csv"],
+        "inspect": ["inspect", "--wire", traces / "units/a.toml", traces / "50MPa.csv"],
         "simulate": ["simulate", sources / "host-sim/scenarios/steps.toml", "--out", "loop.csv"],
         "tune": ["tune", "--wire", "smartflex-76um", "--stress-MPa", "150"],
         "calibrate-plan": ["calibrate-plan", "smartflex-76um", "--stress-MPa", "150",
