@@ -80,7 +80,7 @@ enum class LimitReason : std::uint8_t {
   duty,
   supply,      ///< the converter has no more voltage
   trajectory,  ///< the planner waits for the wire
-  protection,  ///< a fault of class L is active
+  protection,  ///< a fault of class L is active, or was within the last second
   count
 };
 
@@ -97,13 +97,14 @@ struct Output {
   S wanted_power_W;  ///< that the controller asks for, after limits
   Measurement<S> measurement;
   Estimate<S> estimate;
-  S estimated_ambient_K;        ///< by the observer
-  S hot_spot_K;                 ///< highest temperature to be expected anywhere along the wire
-  std::uint32_t limit_reasons;  ///< bit 1 << LimitReason
-  FaultSet active;              ///< conditions present now, after their deglitch time
-  FaultSet latched;             ///< faults that have not been cleared
-  Fault first_cause;            ///< the fault that was latched first; Fault::none without one
-  FaultSet warnings;
+  S estimated_ambient_K;         ///< by the observer
+  S hot_spot_K;                  ///< highest temperature to be expected anywhere along the wire
+  std::uint32_t limit_reasons;   ///< bit 1 << LimitReason
+  FaultSet active;               ///< conditions present now, after their deglitch time
+  FaultSet latched;              ///< faults that have not been cleared
+  Fault first_cause;             ///< the fault that was latched first; Fault::none without one
+  FaultSet warnings;             ///< each stands for at least a second after its cause
+  WarningCounts warning_causes;  ///< how often the cause of each warning has come
   FaultSet blocks;        ///< all reasons why the device cannot be armed; empty while it is armed
   std::uint64_t time_us;  ///< of the loop: the sum of all dt_s since start()
   std::uint64_t first_cause_us;  ///< time of the first cause

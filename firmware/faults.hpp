@@ -6,6 +6,7 @@
 // An enumerator's value is its bit in object 2202h and is sent in its EMCY. New faults are
 // therefore appended, whatever their group; none is ever inserted, moved or removed.
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -145,5 +146,12 @@ constexpr void for_each_fault(FaultSet set, F f) {
     f(static_cast<Fault>(std::countr_zero(bits)));
   }
 }
+
+/// The number of faults that may be warnings; safety/standing.hpp checks it and says which.
+inline constexpr std::size_t warning_count = 19;
+
+/// How often the cause of each warning has come since the device was switched on; for the place of
+/// a warning see safety/standing.hpp.
+using WarningCounts = std::array<std::uint32_t, warning_count>;
 
 }  // namespace smaservo

@@ -151,6 +151,9 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
     if (v.limited) {
       limit(p, s, out);
     }
+    out.limit_reasons |= (v.warnings & limiting_faults).empty()
+                             ? 0U
+                             : 1U << static_cast<unsigned>(LimitReason::protection);
   } else if (seen.stalled) [[unlikely]] {
     Controller<S>::persist(p, s.controller, seen.max_given_A(), m.power_W, dt_s);
   } else {
@@ -228,6 +231,7 @@ Output<S> Device<S>::without_heat(const MonitorInputs<S>& seen, const State& s, 
           .latched = v.latched,
           .first_cause = s.supervisor.first_cause,
           .warnings = v.warnings,
+          .warning_causes = s.supervisor.warnings.came,
           .blocks = v.blocks,
           .time_us = s.time_us,
           .first_cause_us = s.supervisor.first_cause_us,
@@ -276,7 +280,6 @@ void Device<S>::control(const MonitorInputs<S>& seen, State& s, const Demand<S>&
 template <class S>
 void Device<S>::limit(const Prepared<S>& p, State& s, Output<S>& out) {
   const S min_A = p.settings.limits.min_current_A;
-  out.limit_reasons |= 1U << static_cast<unsigned>(LimitReason::protection);
   if (!(min_A < out.drive_current_A)) {
     return;
   }

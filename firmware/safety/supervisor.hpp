@@ -11,6 +11,7 @@
 #include "firmware/safety/arming.hpp"
 #include "firmware/safety/failsafe.hpp"
 #include "firmware/safety/monitor.hpp"
+#include "firmware/safety/standing.hpp"
 
 namespace smaservo {
 
@@ -26,6 +27,7 @@ struct Supervisor {
     FaultSet acknowledged;
     FaultSet lasting;   ///< faults that stay active until a restart
     FaultSet findings;  ///< faults found by the check of the last arming
+    StandingWarnings<S> warnings;
     Fault first_cause;
     std::uint64_t first_cause_us;
     ArmingCheck<S> check;
@@ -108,13 +110,14 @@ auto Supervisor<S>::step(const MonitorInputs<S>& seen, State& s, FaultSet active
 
   const bool heated = is_heated(s.state);
   const FaultSet harmless = faults_of(FaultClass::W) | limiting_faults;
+  const FaultSet warned = active & (heated ? warning_faults : harmless);
   return {s.state,
           next.heat,
           !(active & limiting_faults).empty(),
           s.safe_strain,
           active,
           s.latched,
-          active & (heated ? harmless | faults_of(FaultClass::B) : harmless),
+          s.warnings.step(warned, clear, seen.dt_s),
           heated ? FaultSet{} : (active & blocking_faults) | s.latched | s.findings};
 }
 

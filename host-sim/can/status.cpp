@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "firmware/safety/faults/table.hpp"
+#include "firmware/safety/standing.hpp"
 #include "firmware/text/canopen/change_text.hpp"
 #include "firmware/text/device_names.hpp"
 #include "model/files/text_table.hpp"
@@ -19,6 +19,27 @@ FaultSet fault_set(Remote& remote, const std::string& name) {
 
 std::string or_none(const std::string& text) {
   return text.empty() ? "none" : text;
+}
+
+/// Each warning since the start, with the number of times; "not counted" for nodes of older
+/// releases.
+std::string warning_counts_text(Remote& remote) {
+  std::string text;
+  try {
+    for_each_fault(warning_faults, [&](Fault fault) {
+      const auto count = remote.whole(fmt::format("warnings.{}", fault_name(fault)));
+      if (count != 0) {
+        text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", fault_name(fault),
+                            count == 1 ? "once" : fmt::format("{} times", count));
+      }
+    });
+  } catch (const SdoError& error) {
+    if (error.code() != static_cast<std::uint32_t>(canopen::Abort::no_object)) {
+      throw;
+    }
+    return "not counted by this node's release";
+  }
+  return text;
 }
 
 std::string device_state(Remote& remote) {
@@ -88,6 +109,7 @@ std::string faults_text(Remote& remote) {
   }
   table.add({"active", or_none(text::names_of(fault_set(remote, "active")))});
   table.add({"warnings", or_none(text::names_of(fault_set(remote, "warnings")))});
+  table.add({"warned of", or_none(warning_counts_text(remote))});
   table.add({"blocked by", or_none(text::names_of(fault_set(remote, "blocks")))});
   const auto reasons = remote.whole("device.limit_reasons");
   table.add({"limited by", or_none(text::limit_reason_names(reasons))});

@@ -2,8 +2,14 @@
 // The objects of the drive other than parameters and signals: those of CiA 402 and the
 // manufacturer's services, as a plain struct and the table that describes it.
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
 #include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/node/objects.hpp"
+#include "firmware/safety/standing.hpp"
 
 namespace smaservo::canopen {
 
@@ -38,6 +44,12 @@ constexpr std::uint32_t supported_modes(bool has_force) {
 
 inline constexpr std::size_t channel_count = 8;
 
+/// How often the cause of a warning has come; only for faults of warning_faults.
+inline constexpr std::uint16_t warning_counts = 0x2203;
+constexpr Key warning_count_key(Fault fault) {
+  return {warning_counts, static_cast<std::uint8_t>(fault)};
+}
+
 struct DriveObjects {
   // CiA 402; positions in um, velocities in um/s, forces in 1/1000 of the rated one.
   std::int32_t demand, actual, velocity, target, home_offset, following_error, target_velocity;
@@ -64,6 +76,8 @@ struct DriveObjects {
   // 2202h
   std::array<std::uint32_t, 8> fault_bits;
   std::uint32_t limit_reasons;
+  // 2203h
+  WarningCounts warning_causes;
   // 2210h, 2211h
   std::array<std::uint32_t, 2> steps;
   std::array<float, 4> timing_s;
@@ -97,7 +111,36 @@ constexpr std::size_t at_word(std::size_t array, std::size_t i) {
   return array + 4 * i;
 }
 
-inline constexpr auto manufacturer_rows = std::to_array<DescribedObject>({
+/// The name of a warning's count: "warnings.heat_limit".
+template <Fault fault>
+inline constexpr auto warning_count_name = [] {
+  constexpr std::string_view group = "warnings.";
+  std::array<char, group.size() + fault_name(fault).size()> text{};
+  std::ranges::copy(fault_name(fault), std::ranges::copy(group, text.begin()).out);
+  return text;
+}();
+
+/// A row for each fault that may be a warning; the sub-index is the fault's number.
+inline constexpr auto warning_rows = [] {
+  std::array<DescribedObject, warning_count> rows{};
+  const auto add = [&]<std::size_t number>() {
+    constexpr auto fault = static_cast<Fault>(number);
+    if constexpr (warning_faults.has(fault)) {
+      constexpr auto& name = warning_count_name<fault>;
+      rows.at(warning_index(fault)) =
+          row(warning_count_key(fault), Type::u32, sent,
+              at_word(offsetof(DriveObjects, warning_causes), warning_index(fault)),
+              {name.data(), name.size()}, 0, "how often its cause has come since the start");
+    }
+  };
+  [&]<std::size_t... number>(std::index_sequence<number...>) {
+    (add.template operator()<number>(), ...);
+  }(std::make_index_sequence<fault_count>{});
+  return rows;
+}();
+
+/// 2002h to 2202h; after them comes 2203h.
+inline constexpr auto command_rows = std::to_array<DescribedObject>({
     row({0x2002, 1}, Type::real, readable | set_up | stored,
         offsetof(DriveObjects, command_source_timeout_s), "command_source.timeout_s", as_bits(5.F),
         as_bits(0.05F), as_bits(5.F),
@@ -165,6 +208,10 @@ inline constexpr auto manufacturer_rows = std::to_array<DescribedObject>({
         "0: starting, 1: ready, 2: arming, 3: running, 4: stopping, 5: fault"),
     row({0x2202, 11}, Type::u32, sent, offsetof(DriveObjects, limit_reasons),
         "device.limit_reasons", 0, "bit mask as in 2200h:23"),
+});
+
+/// From 2210h on.
+inline constexpr auto service_rows = std::to_array<DescribedObject>({
     row({0x2210, 1}, Type::u32, sent, at_word(offsetof(DriveObjects, steps), 0), "loop.steps", 0,
         "since the start"),
     row({0x2210, 2}, Type::u32, sent, at_word(offsetof(DriveObjects, steps), 1), "loop.missed", 0,
@@ -349,7 +396,8 @@ inline constexpr auto drive_rows = std::to_array<DescribedObject>({
 
 }  // namespace detail
 
-static_assert(in_order(detail::manufacturer_rows) && in_order(detail::drive_rows));
+static_assert(in_order(detail::command_rows) && in_order(detail::warning_rows) &&
+              in_order(detail::service_rows) && in_order(detail::drive_rows));
 
 inline constexpr auto drive_object_names = std::to_array<IndexName>({
     {0x2002, "Command source"},
@@ -358,6 +406,7 @@ inline constexpr auto drive_object_names = std::to_array<IndexName>({
     {0x2102, "Tuning transaction"},
     {0x2201, "Targets"},
     {0x2202, "Faults"},
+    {warning_counts, "Warnings"},
     {0x2210, "Loop timing"},
     {0x2211, "Bus statistics"},
     {0x2220, "Change log"},
@@ -371,9 +420,14 @@ inline constexpr auto drive_object_names = std::to_array<IndexName>({
 
 /// The manufacturer's objects and those of CiA 402, sorted by key.
 inline constexpr auto drive_object_rows = [] {
-  std::array<DescribedObject, detail::manufacturer_rows.size() + detail::drive_rows.size()> rows{};
-  std::ranges::copy(detail::drive_rows,
-                    std::ranges::copy(detail::manufacturer_rows, rows.begin()).out);
+  using namespace detail;
+  std::array<DescribedObject,
+             command_rows.size() + warning_rows.size() + service_rows.size() + drive_rows.size()>
+      rows{};
+  auto at = std::ranges::copy(command_rows, rows.begin()).out;
+  at = std::ranges::copy(warning_rows, at).out;
+  at = std::ranges::copy(service_rows, at).out;
+  std::ranges::copy(drive_rows, at);
   return rows;
 }();
 static_assert(in_order(drive_object_rows));

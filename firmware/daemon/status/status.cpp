@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "firmware/safety/standing.hpp"
 #include "firmware/text/device_names.hpp"
 #include "model/files/message.hpp"
 #include "model/files/text_table.hpp"
@@ -43,6 +44,16 @@ Json stops_json(const LoopFigures& figures) {
   return stops;
 }
 
+Json warning_causes_json(const WarningCounts& causes) {
+  Json counts = Json::object();
+  for_each_fault(warning_faults, [&](Fault fault) {
+    if (const std::uint32_t count = causes.at(warning_index(fault))) {
+      counts[std::string(fault_name(fault))] = count;
+    }
+  });
+  return counts;
+}
+
 std::string line_of(const char* name, const Histogram& times) {
   return fmt::format("{:<16}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}\n", name,
                      us(times.quantile_ns(0.5)), us(times.quantile_ns(0.99)),
@@ -66,6 +77,7 @@ std::string status_json(const Status& status) {
             {"latched", json_of(out.latched)},
             {"first_cause", fault_name(out.first_cause)},
             {"warnings", json_of(out.warnings)},
+            {"warning_causes", warning_causes_json(out.warning_causes)},
             {"blocks", json_of(out.blocks)},
             {"cycles", f.cycles.load()},
             {"missed", f.missed.load()},
@@ -131,6 +143,12 @@ std::string status_text(const Status& status) {
                           us(stop.longest_ns.load()));
     }
   }
+  for_each_fault(warning_faults, [&](Fault fault) {
+    if (const std::uint32_t count = out.warning_causes.at(warning_index(fault))) {
+      text += fmt::format("warned of {}: its cause has come {} time{}\n", fault_name(fault), count,
+                          count == 1 ? "" : "s");
+    }
+  });
   if (f.setpoints.load() > 0) {
     text +=
         fmt::format("{} cyclic set-points, {} superseded by a newer one before a cycle took them\n",

@@ -27,6 +27,9 @@ void StatusWriter::look() {
                                 fault_name(fault), fault_row(fault).text));
   });
   logged_ = output_.latched;
+  for (const std::string& line : journal_.lines(output_)) {
+    files::complain("smaservod", line);
+  }
   from_.usage.look(from_.figures.cycles.load());
 }
 

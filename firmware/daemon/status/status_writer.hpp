@@ -8,6 +8,7 @@
 
 #include "firmware/daemon/status/loop_usage.hpp"
 #include "firmware/daemon/status/status.hpp"
+#include "firmware/daemon/status/warning_journal.hpp"
 
 namespace smaservo::daemon {
 
@@ -30,7 +31,7 @@ class StatusWriter {
 
   /// Writes a warning to the log and keeps it for the status.
   void warn(const std::string& text);
-  /// Takes the loop's newest output and writes new faults to the log.
+  /// Takes the loop's newest output and writes new faults and warnings to the log.
   void look();
   const Output<double>& output() const { return output_; }
 
@@ -45,6 +46,7 @@ class StatusWriter {
   StatusSources from_;
   Output<double> output_{};
   FaultSet logged_;
+  WarningJournal journal_;
   std::vector<std::string> warnings_;
   bool fails_ = false;
 };

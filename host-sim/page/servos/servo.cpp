@@ -7,7 +7,8 @@
 
 #include "firmware/canopen/node/index.hpp"
 #include "firmware/canopen/node/object.hpp"
-#include "firmware/safety/faults/table.hpp"
+#include "firmware/canopen/servo/drive_objects.hpp"
+#include "firmware/safety/standing.hpp"
 #include "firmware/text/device_names.hpp"
 #include "host-sim/can/remote.hpp"
 #include "host-sim/page/servos/messages/tables.hpp"
@@ -51,6 +52,17 @@ json fault_names(FaultSet set) {
   json names = json::array();
   for_each_fault(set, [&](Fault fault) { names.push_back(fault_name(fault)); });
   return names;
+}
+
+/// How often the cause of each warning that stands has come; of those that the servo counts.
+json warning_causes(const Servo& servo) {
+  json counts = json::object();
+  for_each_fault(fault_set_at(servo, 5) & warning_faults, [&](Fault fault) {
+    if (const unsigned count = servo.value(canopen::warning_count_key(fault))) {
+      counts[std::string(fault_name(fault))] = count;
+    }
+  });
+  return counts;
 }
 
 json limit_names_of(std::uint32_t bits) {
@@ -127,12 +139,21 @@ const std::vector<StateObject>& state_objects() {
     for (std::uint8_t sub = 1; sub <= 11; ++sub) {
       objects.push_back({{0x2202, sub}, false});
     }
+    for_each_fault(warning_faults, [&](Fault fault) {
+      objects.push_back({canopen::warning_count_key(fault), false});
+    });
+    // Servos of every release answer to these: the round ends with an answer.
     for (std::uint8_t sub = 1; sub <= 3; ++sub) {
       objects.push_back({{0x2201, sub}, false});
     }
     return objects;
   }();
   return all;
+}
+
+bool is_idle_count(const Servo& servo, Key key) {
+  return key.index == canopen::warning_counts &&
+         !fault_set_at(servo, 5).has(static_cast<Fault>(key.sub));
 }
 
 bool KnownParameters::put(std::size_t row, Value value) {
@@ -183,6 +204,7 @@ json state_message(const Servo& servo) {
                {"active", fault_names(fault_set_at(servo, 3))},
                {"latched", fault_names(fault_set_at(servo, 1))},
                {"warnings", fault_names(fault_set_at(servo, 5))},
+               {"warning_causes", warning_causes(servo)},
                {"blocking", fault_names(fault_set_at(servo, 7))},
                {"first_cause", first == 0 || first >= fault_count
                                    ? json(nullptr)

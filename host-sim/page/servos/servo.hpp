@@ -80,6 +80,9 @@ struct Servo {
   std::string title() const;
 };
 
+/// Whether the key is the count of a warning that does not stand.
+bool is_idle_count(const Servo& servo, Key key);
+
 /// The message smaservo.State of PROTOCOL.md.
 nlohmann::json state_message(const Servo& servo);
 

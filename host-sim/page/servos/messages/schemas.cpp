@@ -89,6 +89,7 @@ std::string state_schema() {
   for (const char* name : {"active", "latched", "warnings", "blocking", "limits"}) {
     properties[name] = list_of(typed("string"));
   }
+  properties["warning_causes"] = some_object();
   properties["rate_hz"] = typed("number");
   properties["target"] = typed("number");
   properties["first_cause"] = typed("string");

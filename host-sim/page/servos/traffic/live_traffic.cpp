@@ -253,7 +253,7 @@ void LiveTraffic::poll(unsigned node, std::int64_t now_us) {
     return;
   }
   // The state has priority, or full rounds of live values would never let it be read.
-  if (const std::optional<Key> key = link.state.next(anything_, now_us)) {
+  if (const std::optional<Key> key = link.state.next(*servo, anything_, now_us)) {
     ask(node, *key, Reason::state, now_us);
   } else {
     poll_live(*servo, link, now_us);
