@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <unistd.h>
 #include <utility>
@@ -11,53 +12,80 @@
 namespace smaservo::bench {
 namespace {
 
-constexpr std::int64_t first_after_ns = 500'000'000;
-constexpr std::int64_t every_ns = 200'000'000;
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
 
-std::int64_t now_ns() {
-  return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
-}
+/// The times of a terminal, and of any other output.
+struct Pace {
+  milliseconds first, then;
+};
+constexpr Pace on_a_terminal{milliseconds(500), milliseconds(1000)};
+constexpr Pace elsewhere{milliseconds(10'000), milliseconds(10'000)};
 
 }  // namespace
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<long>(std::lround(std::min(seconds, 1e9)));
+  if (whole < 100) {
+    return fmt::format("{} s", whole);
+  }
+  const long minutes = std::lround(static_cast<double>(whole) / 60);
+  return minutes < 100 ? fmt::format("{} min", minutes)
+                       : fmt::format("{} h {:02} min", minutes / 60, minutes % 60);
+}
+
+std::string Forecast::text(std::string_view what, double share, double elapsed_s) {
+  if (!(0 < share)) {
+    return fmt::format("{}: {}", what, duration_text(elapsed_s));
+  }
+  if (share != share_) {
+    share_ = share;
+    whole_s_ = elapsed_s / std::min(1.0, share);
+  }
+  return fmt::format("{}: {:.0f} %, {} left", what, std::floor(100 * std::min(1.0, share)),
+                     duration_text(std::max(0.0, whole_s_ - elapsed_s)));
+}
 
 Progress::Progress(std::string what, std::uint64_t total)
     : what_(std::move(what)),
       total_(total),
-      terminal_(isatty(STDERR_FILENO) == 1),
-      start_ns_(now_ns()),
-      next_ns_(start_ns_ + first_after_ns) {}
+      thread_([this](const std::stop_token& stop) { show(stop); }) {}
 
 Progress::~Progress() {
-  if (printed_) {
+  thread_.request_stop();
+  thread_.join();
+}
+
+void Progress::name(std::string what) {
+  const std::scoped_lock lock(mutex_);
+  what_ = std::move(what);
+}
+
+void Progress::show(const std::stop_token& stop) {
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  const Pace pace = terminal ? on_a_terminal : elsewhere;
+  const auto start = Clock::now();
+  auto due = start + pace.first;
+  bool shown = false;
+  Forecast forecast;
+  std::unique_lock lock(mutex_);
+  while (!wakes_.wait_until(lock, stop, due, [&] { return stop.stop_requested(); })) {
+    const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
+    const auto done = static_cast<double>(done_.load(std::memory_order_relaxed));
+    const std::string text =
+        total_ == 0 ? fmt::format("{}: {:.1f} MB, {}", what_, 1e-6 * done, duration_text(elapsed_s))
+                    : forecast.text(what_, done / static_cast<double>(total_), elapsed_s);
+    if (terminal) {
+      files::redraw(text);
+    } else {
+      files::complain("host-sim", text);
+    }
+    shown = true;
+    due += pace.then;
+  }
+  if (shown && terminal) {
     files::redraw("");
   }
-}
-
-void Progress::update(std::uint64_t done) {
-  if ((++calls_ & 0xfffU) == 0) {
-    step(done);
-  }
-}
-
-void Progress::step(std::uint64_t done) {
-  if (terminal_ && now_ns() >= next_ns_) {
-    print(done);
-  }
-}
-
-void Progress::print(std::uint64_t done) {
-  const std::int64_t now = now_ns();
-  const double seconds = static_cast<double>(now - start_ns_) * 1e-9;
-  if (total_ > 0) {
-    const double share = std::min(1.0, static_cast<double>(done) / static_cast<double>(total_));
-    files::redraw(fmt::format("{}: {:3.0f} %, {:.0f} s left", what_, 100 * share,
-                              share > 0 ? seconds / share - seconds : 0.0));
-  } else {
-    files::redraw(
-        fmt::format("{}: {:.1f} MB, {:.0f} s", what_, static_cast<double>(done) * 1e-6, seconds));
-  }
-  printed_ = true;
-  next_ns_ = now + every_ns;
 }
 
 }  // namespace smaservo::bench

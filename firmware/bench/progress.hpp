@@ -1,35 +1,69 @@
 #pragma once
+// What long work shows of itself on the standard error output, beginning after a moment, so that
+// short work shows nothing.
 
+#include <atomic>
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
 #include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
 
 namespace smaservo::bench {
 
-/// A line on the terminal that shows the progress of a long job; silent if standard error is no
-/// terminal.
+/// A time as people say it: "45 s", "12 min", "1 h 05 min".
+std::string duration_text(double seconds);
+
+/// The text of a moment: "fit: 34 %, 2 min left". While nothing is done there is no forecast:
+/// "fit: 12 s".
+class Forecast {
+ public:
+  /// `share` done, 0 to 1, after `elapsed_s`. Large parts end seldom: while the share stays as it
+  /// is, the time left goes on falling.
+  std::string text(std::string_view what, double share, double elapsed_s);
+
+ private:
+  double share_ = 0, whole_s_ = 0;
+};
+
+/// Shows the share that is done and the time left: on a terminal as one line that is redrawn after
+/// half a second and then each second, and removed at the end; elsewhere, as in the log of
+/// continuous integration, as a line every 10 s. A thread of its own shows it, so that it is shown
+/// also while one long part goes on.
 class Progress {
  public:
-  /// `total` 0: the amount of work is not known.
+  /// `total` 0: the amount of work is not known, and `done` counts bytes.
   Progress(std::string what, std::uint64_t total);
-  ~Progress();  ///< clears the line
+  /// For work of which the share is known: update_share().
+  explicit Progress(std::string what) : Progress(std::move(what), parts) {}
+  ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Cheap: looks at the clock at every 4096th call only.
-  void update(std::uint64_t done);
-  /// Looks at the clock every time: for few, long parts.
-  void step(std::uint64_t done);
+  /// Less than before has no effect. Costs next to nothing; to be called by one thread at a time.
+  void update(std::uint64_t done) {
+    if (done_.load(std::memory_order_relaxed) < done) {
+      done_.store(done, std::memory_order_relaxed);
+    }
+  }
+  /// 0 to 1.
+  void update_share(double share) { update(static_cast<std::uint64_t>(parts * share)); }
+  /// Renames the work, for a part of it. May be called by any thread.
+  void name(std::string what);
 
  private:
-  void print(std::uint64_t done);
+  static constexpr std::uint64_t parts = 1'000'000;
 
+  void show(const std::stop_token& stop);
+
+  std::mutex mutex_;
   std::string what_;
   std::uint64_t total_;
-  bool terminal_;
-  bool printed_ = false;
-  std::uint32_t calls_ = 0;
-  std::int64_t start_ns_ = 0;
-  std::int64_t next_ns_ = 0;
+  std::atomic<std::uint64_t> done_ = 0;
+  std::condition_variable_any wakes_;
+  std::jthread thread_;  // last: it uses all others
 };
 
 }  // namespace smaservo::bench

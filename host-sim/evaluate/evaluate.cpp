@@ -83,11 +83,13 @@ void check(const EvaluateOptions& options, const replay::RunSettings& settings) 
 
 std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::string_view stage,
                                            std::size_t total) {
-  return [&options, stage, total](std::size_t done) {
+  const auto report = [&options, stage, total](std::size_t done) {
     if (options.progress) {
       options.progress(stage, done, total);
     }
   };
+  report(0);
+  return report;
 }
 
 std::vector<JudgedUnit> make_units(const EvaluateOptions& options, bool calibrated) {

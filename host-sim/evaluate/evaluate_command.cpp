@@ -52,7 +52,7 @@ class Stages {
       stage_ = stage;
       line_.emplace(stage_, total);
     }
-    line_->step(done);
+    line_->update(done);
   }
 
  private:

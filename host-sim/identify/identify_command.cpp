@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <memory>
 #include <thread>
-#include <unistd.h>
 
+#include "firmware/bench/progress.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/checks/findings.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
@@ -56,29 +56,6 @@ class Interrupt {
   struct sigaction before_{};
 };
 
-/// Shows the progress of the fit as a line on the terminal.
-class FitStatus {
- public:
-  ~FitStatus() { clear(); }
-  FitStatus() = default;
-  FitStatus(const FitStatus&) = delete;
-  FitStatus& operator=(const FitStatus&) = delete;
-
-  void show(const FitProgress& at) const {
-    if (terminal_) {
-      files::redraw(fmt::format("{}: step {}, cost {:.1f}", at.stage, at.iteration, at.cost));
-    }
-  }
-  void clear() const {
-    if (terminal_) {
-      files::redraw("");
-    }
-  }
-
- private:
-  bool terminal_ = isatty(STDERR_FILENO) == 1;
-};
-
 void check_files(const IdentifyArguments& a) {
   if (!a.out.ends_with(".toml")) {
     throw files::UserError(fmt::format("--out {}: the name of a wire file ends in .toml", a.out));
@@ -117,14 +94,15 @@ std::vector<Run> read_runs(const IdentifyArguments& a, const Geometry<double>& g
 
 FitResult fit(const IdentifyArguments& a, const Wire<double>& from, const std::vector<Run>& runs) {
   const Interrupt interrupt;
-  const FitStatus status;
+  bench::Progress progress("fit");
   FitOptions options;
   options.circuit = a.circuit;
   options.threads = a.threads > 0
                         ? a.threads
                         : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   options.proceed = [&](const FitProgress& at) {
-    status.show(at);
+    progress.update_share(at.share);
+    progress.name(fmt::format("fit, {}", at.stage));
     return Interrupt::asked() == 0;
   };
   return fit_wire(from, runs, options);

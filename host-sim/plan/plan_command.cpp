@@ -211,7 +211,7 @@ Plan plan(const PlanArguments& a, const Wire<double>& wire) {
     if (!progress) {
       progress = std::make_unique<bench::Progress>("profiles tried", total);
     }
-    progress->step(done);
+    progress->update(done);
   };
   return plan_runs(wire, options);
 }

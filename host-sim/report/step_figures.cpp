@@ -14,7 +14,7 @@ constexpr double min_rise_percent = 2;
 
 }  // namespace
 
-void StepJudge::add(double time_s, double setpoint, double strain) {
+void StepJudge::add(double time_s, double setpoint, double strain, const StepControl& control) {
   if (strains_.empty() || setpoint != setpoint_) {
     finish();
     from_s_ = time_s;
@@ -22,6 +22,8 @@ void StepJudge::add(double time_s, double setpoint, double strain) {
   }
   if (!std::isnan(setpoint)) {
     strains_.push_back(strain);
+    limits_.push_back(control.limits);
+    control_ = control;
   }
 }
 
@@ -30,13 +32,25 @@ void StepJudge::finish() {
     steps_.push_back(judged());
   }
   strains_.clear();
+  limits_.clear();
 }
 
 StepFigures StepJudge::judged() const {
   const auto at_s = [&](std::size_t i) { return static_cast<double>(i) * period_s_; };
   const std::size_t n = strains_.size();
   const std::size_t last = n / 4;
-  StepFigures f{from_s_, at_s(n), strains_.front(), setpoint_, unknown, unknown, 0, 0};
+  StepFigures f{.from_s = from_s_,
+                .seconds = at_s(n),
+                .from = strains_.front(),
+                .to = setpoint_,
+                .rise_s = unknown,
+                .settling_s = unknown,
+                .overshoot_percent = 0,
+                .error_percent = 0,
+                .end = strains_.back(),
+                .held = control_.held,
+                .estimate = control_.estimate,
+                .limits = lasting_limits(last)};
   const double way = f.to - f.from;
   const double sign = way < 0 ? -1 : 1;
   std::size_t outside = 0;  ///< index after the last sample outside of the band
@@ -56,6 +70,18 @@ StepFigures StepJudge::judged() const {
     f.rise_s = unknown;
   }
   return f;
+}
+
+/// The bits that are set in at least half of the last samples.
+std::uint32_t StepJudge::lasting_limits(std::size_t last) const {
+  std::uint32_t lasting = 0;
+  for (unsigned bit = 0; bit < 32; ++bit) {
+    const auto acts = [bit](std::uint32_t limits) { return (limits >> bit & 1U) != 0; };
+    const auto count =
+        std::count_if(limits_.end() - static_cast<std::ptrdiff_t>(last), limits_.end(), acts);
+    lasting |= 2 * static_cast<std::size_t>(count) >= last ? 1U << bit : 0U;
+  }
+  return lasting;
 }
 
 files::TextTable steps_table(const std::vector<StepFigures>& steps) {

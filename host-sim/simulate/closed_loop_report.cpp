@@ -219,11 +219,18 @@ std::string numbers_html(const bench::ClosedLoopScenario& scenario, const LoopRu
   return table.html();
 }
 
-std::string steps_html(const LoopRunResult& result) {
+std::string steps_html(const bench::ClosedLoopScenario& scenario, const LoopRunResult& result) {
   if (result.strain_steps.empty()) {
     return "";
   }
-  return "<h2>Steps</h2>\n" + report::steps_table(result.strain_steps).html() +
+  std::string remarks;
+  for (const std::string& remark : unreached(scenario, result)) {
+    remarks += fmt::format("<li>{}</li>\n", remark);
+  }
+  if (!remarks.empty()) {
+    remarks = "<p>Outside of ±2 % of the stroke at the end:</p>\n<ul>\n" + remarks + "</ul>\n";
+  }
+  return "<h2>Steps</h2>\n" + report::steps_table(result.strain_steps).html() + remarks +
          "<p class=\"caption\">From and to are strain; overshoot and steady error (mean over the "
          "last quarter) are in % of the nominal stroke; settling is to ±2 % of it.</p>\n";
 }
@@ -240,7 +247,7 @@ void write_report(const std::string& path, const bench::ClosedLoopScenario& scen
   if (result.record) {
     html += report::plots_html(LoopPlots(scenario, *result.record).all());
   }
-  html += steps_html(result);
+  html += steps_html(scenario, result);
   html += report::listing_html("The true wire", files::to_toml(scenario.plant.wire));
   report::write_html(path, scenario.name, html);
 }

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "firmware/bench/closed_loop.hpp"
+#include "firmware/safety/failsafe.hpp"
 #include "firmware/text/device_names.hpp"
 #include "firmware/text/device_trace.hpp"
 #include "model/files/message.hpp"
@@ -124,10 +125,13 @@ class Judge {
         steps_(scenario.settings.wire.nominal_stroke, scenario.settings.timing.period_s) {}
 
   void add(const bench::SimulatedCycle& cycle) {
-    const bool runs = cycle.output.state == DeviceState::running;
-    steps_.add(cycle.time_s,
-               runs ? wanted_strain(settings_, cycle.command.mode, cycle.command.setpoint) : nan,
-               cycle.truth.strain);
+    const Output<double>& out = cycle.output;
+    const bool runs = out.state == DeviceState::running;
+    steps_.add(
+        cycle.time_s,
+        runs ? wanted_strain(settings_, cycle.command.mode, cycle.command.setpoint) : nan,
+        cycle.truth.strain,
+        {wanted_strain(settings_, out.mode, out.setpoint), out.estimate.strain, out.limit_reasons});
     if (cycle.truth.hottest_K > result_.max_hottest_K) {
       result_.max_hottest_K = cycle.truth.hottest_K;
       result_.max_hottest_s = cycle.time_s;
@@ -137,6 +141,7 @@ class Judge {
       result_.max_estimate_error = std::max(
           result_.max_estimate_error, std::abs(cycle.output.estimate.strain - cycle.truth.strain));
     }
+    result_.warned = result_.warned | out.warnings;
     const FaultSet fresh = cycle.output.latched - latched_;
     latched_ = cycle.output.latched;
     for (unsigned i = 0; !fresh.empty() && i < static_cast<unsigned>(Fault::count); ++i) {
@@ -200,7 +205,92 @@ class LoopFile {
   std::string further_;
 };
 
+/// What a limit is set by, with its value; empty for what does not hold a wire back.
+std::string cause_of(LimitReason reason, const Settings<double>& settings, FaultSet warned) {
+  const SoftLimits<double>& q = settings.limits;
+  switch (reason) {
+    case LimitReason::current:
+      return fmt::format("limits.current_A, {:.4g} mA", 1e3 * q.current_A);
+    case LimitReason::power:
+      return fmt::format("limits.power_W, {:.4g} W", q.power_W);
+    case LimitReason::temperature:
+      return fmt::format("limits.temperature_K, {:.4g} °C, less limits.hot_spot_K, {:.4g} K",
+                         q.temperature_K - zero_degC_K, q.hot_spot_K);
+    case LimitReason::strain:
+      return fmt::format("limits.min_strain, {:.4g} %", 100 * q.min_strain);
+    case LimitReason::stress:
+      return fmt::format("limits.stress_Pa, {:.4g} MPa", 1e-6 * q.stress_Pa);
+    case LimitReason::duty:
+      return fmt::format("limits.duty, {:.4g}", q.duty);
+    case LimitReason::supply:
+      return "the voltage of the supply";
+    case LimitReason::protection:
+      return fmt::format("the warning {}", text::names_of(warned & limiting_faults));
+    case LimitReason::min_current:
+    case LimitReason::trajectory:
+    case LimitReason::count:
+      break;
+  }
+  return "";
+}
+
+bool acts(const report::StepFigures& step, LimitReason reason) {
+  return (step.limits >> static_cast<unsigned>(reason) & 1U) != 0;
+}
+
+/// The limits that held a step, each on a line of its own.
+std::string causes_of(const report::StepFigures& step, const Settings<double>& settings,
+                      FaultSet warned) {
+  std::string causes;
+  for (unsigned i = 0; i < static_cast<unsigned>(LimitReason::count); ++i) {
+    const auto reason = static_cast<LimitReason>(i);
+    const std::string cause = acts(step, reason) ? cause_of(reason, settings, warned) : "";
+    causes += cause.empty() ? "" : (causes.empty() ? "\n  " : ";\n  ") + cause;
+  }
+  return causes;
+}
+
+/// Why a step ended outside of its band.
+std::string reason_of(const report::StepFigures& step, const Settings<double>& settings,
+                      const LoopRunResult& result) {
+  const double end_s = step.from_s + step.seconds;
+  // The step ends in the cycle that latches the fault.
+  const double margin_s = 2 * settings.timing.period_s;
+  for (const auto& [fault, time_s] : result.faults) {
+    if (std::abs(time_s - end_s) < margin_s) {
+      return fmt::format("ended by {};\n  see host-sim explain {}", fault_name(fault),
+                         fault_name(fault));
+    }
+  }
+  const double stroke = settings.wire.nominal_stroke;
+  if (std::abs(step.held - step.to) > 1e-3 * stroke) {
+    return fmt::format("set-point held at {:.3f} % by\n  limits.min_strain or limits.max_strain",
+                       100 * step.held);
+  }
+  const std::string causes = causes_of(step, settings, result.warned);
+  if (!causes.empty() && step.to < step.end) {
+    return fmt::format("held at {:.3f} % by{}", 100 * step.end, causes);
+  }
+  if (acts(step, LimitReason::min_current) && step.end < step.to) {
+    return fmt::format("at {:.3f} % and still cooling, at the least current", 100 * step.end);
+  }
+  return fmt::format("at {:.3f} % when it ended; the estimate was {:.3f} %", 100 * step.end,
+                     100 * step.estimate);
+}
+
 }  // namespace
+
+std::vector<std::string> unreached(const bench::ClosedLoopScenario& scenario,
+                                   const LoopRunResult& result) {
+  std::vector<std::string> remarks;
+  for (const report::StepFigures& step : result.strain_steps) {
+    if (report::is_unreached(step)) {
+      remarks.push_back(fmt::format("step at {:.3f} s, to {:.3f} %: {}", step.from_s, 100 * step.to,
+                                    reason_of(step, scenario.settings, result)));
+    }
+  }
+  return remarks;
+}
 
 LoopRunResult run_closed_loop(const bench::ClosedLoopScenario& scenario,
                               const LoopRunOptions& options) {
@@ -253,8 +343,14 @@ std::string summary(const bench::ClosedLoopScenario& scenario, const LoopRunResu
   if (result.strain_steps.empty()) {
     return text;
   }
-  return text + report::steps_table(result.strain_steps).text() +
-         "from and to in strain, overshoot and steady error in % of the nominal stroke\n";
+  text += report::steps_table(result.strain_steps).text() +
+          "from and to in strain, overshoot and steady error in % of the nominal stroke\n";
+  const std::vector<std::string> remarks = unreached(scenario, result);
+  text += remarks.empty() ? "" : "Outside of ±2 % of the stroke at the end:\n";
+  for (const std::string& remark : remarks) {
+    text += remark + '\n';
+  }
+  return text;
 }
 
 }  // namespace smaservo::simulate

@@ -56,6 +56,7 @@ struct LoopRunResult {
   double max_estimate_error = 0;  ///< greatest error of the strain after the first second
   /// Faults with their times, in the order in which they were latched.
   std::vector<std::pair<Fault, double>> faults;
+  FaultSet warned;  ///< all warnings of the run
   std::optional<LoopRecord> record;
 };
 
@@ -67,6 +68,11 @@ struct LoopRunOptions {
 /// Throws UserError.
 LoopRunResult run_closed_loop(const bench::ClosedLoopScenario& scenario,
                               const LoopRunOptions& options);
+
+/// A sentence for each step that ended outside of +-2 % of the stroke around its set-point: the
+/// fault that ended it, or the limits that held it and the settings that they come from.
+std::vector<std::string> unreached(const bench::ClosedLoopScenario& scenario,
+                                   const LoopRunResult& result);
 
 /// The numbers for a terminal.
 std::string summary(const bench::ClosedLoopScenario& scenario, const LoopRunResult& result);

@@ -123,7 +123,8 @@ StepResponse judge_step(const std::vector<double>& strain, std::size_t first, st
 }
 
 ExpectedSteps expected_steps(const TuneTask& task, const Proposal& p,
-                             const std::vector<TunedPlant>& plants) {
+                             const std::vector<TunedPlant>& plants,
+                             const std::function<void(double)>& progress) {
   const Plan plan = make_plan(p);
   const Prepared<double> prepared = prepare(p.settings);
   const double period_s = p.settings.timing.period_s;
@@ -147,6 +148,7 @@ ExpectedSteps expected_steps(const TuneTask& task, const Proposal& p,
       r.steps.push_back(s);
     }
     all.runs.push_back(std::move(r));
+    progress(static_cast<double>(m + 1) / static_cast<double>(plants.size()));
   }
   return all;
 }

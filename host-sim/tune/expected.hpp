@@ -2,6 +2,9 @@
 // Expected steps of the strain: the device's own step on lumped wires that differ slightly from
 // that of the file.
 
+#include <functional>
+#include <vector>
+
 #include "firmware/faults.hpp"
 #include "host-sim/tune/proposal.hpp"
 
@@ -35,8 +38,10 @@ struct ExpectedSteps {
 
 /// Steps to 50, 85, 40 and 15 % of the contraction, with the sensors' noise and one period between
 /// a sample and its current. The device assumes the ambient temperature of the file's plant.
-ExpectedSteps expected_steps(const TuneTask& task, const Proposal& p,
-                             const std::vector<TunedPlant>& plants);
+/// `progress` is called with the share of the wires that are done, 0 to 1.
+ExpectedSteps expected_steps(
+    const TuneTask& task, const Proposal& p, const std::vector<TunedPlant>& plants,
+    const std::function<void(double)>& progress = [](double) {});
 
 /// The worst value of each number over all runs, step by step.
 std::vector<StepResponse> worst_steps(const ExpectedSteps& expected);

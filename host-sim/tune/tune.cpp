@@ -12,17 +12,25 @@ namespace {
 
 /// Number of uncertain wires on which the steps are simulated.
 constexpr int expected_members = 12;
+/// Factors of the dead band that are tried, 1, 2, 4 and 8 at most, and the share of the whole time
+/// that they take then.
+constexpr double most_tries = 4;
+constexpr double by_steps = 0.9;
 
 /// Chooses the smallest dead band with which the number of restless wires is least.
-void try_dead_bands(Tuned& t) {
+void try_dead_bands(Tuned& t, const std::function<void(double)>& progress) {
   const std::vector<TunedPlant> plants =
       uncertain_plants(t.task.plant, expected_members, t.task.seed);
   Proposal tried = t.proposal;
   const double min = tried.settings.strain.dead_band;
   int fewest = expected_members + 1;
+  double tries = 0;
   for (double factor = 1; factor <= 8 && 0 < fewest; factor *= 2) {
     tried.settings.strain.dead_band = rounded_up(factor * min);
-    ExpectedSteps expected = expected_steps(t.task, tried, plants);
+    ExpectedSteps expected = expected_steps(t.task, tried, plants, [&](double share) {
+      progress(by_steps * (tries + share) / most_tries);
+    });
+    ++tries;
     const int restless = restless_wires(expected, tried.settings);
     if (restless < fewest) {
       fewest = restless;
@@ -64,9 +72,11 @@ void warn(Tuned& t) {
 
 }  // namespace
 
-Tuned tune(const std::string& wire, const std::string& based_on, const TuneTask& task) {
+Tuned tune(const std::string& wire, const std::string& based_on, const TuneTask& task,
+           const std::function<void(double)>& progress) {
   Tuned t{wire, based_on, task, propose(task), {}, {}, {}, {}, {}};
-  try_dead_bands(t);
+  try_dead_bands(t, progress);
+  progress(by_steps);
   const auto possible = [&](LoopName name) {
     return t.proposal.loops[static_cast<std::size_t>(name)].possible;
   };

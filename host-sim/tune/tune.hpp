@@ -1,6 +1,7 @@
 #pragma once
 // host-sim tune: gains for a wire and a load, their margins, and the expected behaviour.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,10 @@ struct Tuned {
 /// Makes the whole tuning. The dead band of the strain is the least useful one, or up to eight
 /// times that: the smallest with which every expected step settles. Throws UserError as propose()
 /// does.
-Tuned tune(const std::string& wire, const std::string& based_on, const TuneTask& task);
+/// `progress` is called with the share of the work that is done, 0 to 1.
+Tuned tune(
+    const std::string& wire, const std::string& based_on, const TuneTask& task,
+    const std::function<void(double)>& progress = [](double) {});
 
 std::string tuned_text(const Tuned& tuned);
 std::string tuned_json(const Tuned& tuned);

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "firmware/bench/progress.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/tune/tune.hpp"
 #include "model/files/error.hpp"
@@ -90,7 +91,10 @@ void run(const TuneArguments& a) {
                       a.current_A.value_or(std::numeric_limits<double>::infinity()),
                       24,
                       1};
-  const Tuned tuned = tune(a.wire, based_on(a), task);
+  const Tuned tuned = [&] {
+    bench::Progress line("tune");
+    return tune(a.wire, based_on(a), task, [&](double share) { line.update_share(share); });
+  }();
   if (!a.out.empty()) {
     files::OutputFile file(a.out);
     file.write(tuned_toml(tuned));

@@ -18,11 +18,13 @@ static_assert(loop_kinds[ideal_at] == LoopKind::ideal);
 
 std::function<void(std::size_t)> reporting(const ClosedLoopOptions& options, std::string_view stage,
                                            std::size_t total) {
-  return [&options, stage, total](std::size_t done) {
+  const auto report = [&options, stage, total](std::size_t done) {
     if (options.progress) {
       options.progress(stage, done, total);
     }
   };
+  report(0);
+  return report;
 }
 
 std::vector<KnownUnit> known_units(const ClosedLoopOptions& options) {

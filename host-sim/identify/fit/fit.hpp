@@ -18,7 +18,13 @@ struct FitProgress {
   std::string stage;
   int iteration;
   double cost;
+  /// Of the whole fit, 0 to 1, as fits usually go: how many iterations a stage needs is known only
+  /// when it has ended.
+  double share;
 };
+
+/// That share, at an iteration of a stage. A later stage never has less.
+double usual_share(std::string_view stage, int iteration);
 
 struct FitOptions {
   int threads = 1;

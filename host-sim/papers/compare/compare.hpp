@@ -41,14 +41,17 @@ struct Comparison {
   std::vector<Compared> systems;
 };
 
+/// Called when the work on a system begins, with the share of the whole work that is done by then,
+/// 0 to 1, as comparisons usually go.
+using Progress = std::function<void(std::string_view system, double share)>;
+
 /// A system that the training runs cannot identify is listed with the reason. If a test's strain is
 /// a displacement, which has its own zero, the median error of every system is subtracted. A
 /// training run with such a strain is moved so that its longest wire is as long as `from` at rest
 /// under that load. Throws UserError for runs other than of Joule heating or in a bath, for a
 /// training or test run without strain, and if not even one system could be identified.
 Comparison compare(const files::WireDescription& from, std::vector<identify::Run> training,
-                   std::vector<identify::Run> tests, int threads,
-                   const std::function<void(std::string_view)>& progress);
+                   std::vector<identify::Run> tests, int threads, const Progress& progress);
 
 std::string comparison_text(const Comparison& comparison);
 std::string comparison_json(const Comparison& comparison);

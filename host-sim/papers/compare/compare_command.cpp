@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 #include <thread>
-#include <unistd.h>
 
+#include "firmware/bench/progress.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/checks/findings.hpp"
 #include "host-sim/papers/compare/compare.hpp"
@@ -26,26 +26,6 @@ struct CompareArguments {
   bool json = false;
   int threads = 0;  ///< 0: as many as there are cores
   std::optional<double> stress_MPa, load_N;
-};
-
-/// Shows the system that is being identified on a line of the terminal.
-class CompareStatus {
- public:
-  ~CompareStatus() { show(""); }
-  CompareStatus() = default;
-  CompareStatus(const CompareStatus&) = delete;
-  CompareStatus& operator=(const CompareStatus&) = delete;
-
-  void name(std::string_view what) const { show(fmt::format("{} ...", what)); }
-
- private:
-  void show(std::string_view text) const {
-    if (terminal_) {
-      files::redraw(text);
-    }
-  }
-
-  bool terminal_ = isatty(STDERR_FILENO) == 1;
 };
 
 bool same_file(const std::string& a, const std::string& b) {
@@ -130,9 +110,12 @@ void run(const CompareArguments& a) {
                           : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Comparison comparison;
   {
-    const CompareStatus status;
+    bench::Progress line("compare");
     comparison = compare(from, std::move(training), std::move(tests), threads,
-                         [&](std::string_view system) { status.name(system); });
+                         [&](std::string_view system, double share) {
+                           line.name(fmt::format("compare, {}", system));
+                           line.update_share(share);
+                         });
   }
   if (!a.out.empty()) {
     files::OutputFile file(a.out);

@@ -249,6 +249,24 @@ TEST(Identify, AnInterruptedFitSaysSo) {
   EXPECT_TRUE(nlohmann::json::parse(identify::fit_json(all))["interrupted"]);
 }
 
+/// The share at the beginning of each stage never falls; a stage that nobody has told would count
+/// as the end.
+TEST(Identify, SaysHowFarItIs) {
+  std::vector<std::string> stages;
+  double begin = 0;
+  fitted([&](const identify::FitProgress& at) {
+    EXPECT_LE(at.share, 1);
+    if (stages.empty() || stages.back() != at.stage) {
+      stages.push_back(at.stage);
+      EXPECT_GE(at.share, begin) << at.stage;
+      EXPECT_LT(at.share, 0.9) << at.stage;
+      begin = at.share;
+    }
+    return true;
+  });
+  EXPECT_GE(stages.size(), 4U);
+}
+
 TEST(Identify, TheReportHasTheNumbersAndPicturesOfEveryRun) {
   Program program;
   program.folder().write("<b>.csv", bath_file());

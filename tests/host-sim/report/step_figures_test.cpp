@@ -66,5 +66,27 @@ TEST(StepJudge, LeavesOutWhatMovesAndWhatIsNotControlled) {
   EXPECT_TRUE(judge.steps().empty());
 }
 
+/// A limit that acts in most of the last quarter holds the wire; one that has acted before, or now
+/// and then, does not.
+TEST(StepJudge, TellsWhichLimitsActedAtTheEnd) {
+  StepJudge judge(stroke, period_s);
+  const int rows = 1000;
+  for (int i = 0; i < rows; ++i) {
+    const std::uint32_t before = i < 700 ? 1U << 0U : 0U;
+    const std::uint32_t now_and_then = i % 5 < 2 ? 1U << 3U : 0U;
+    const std::uint32_t mostly = i % 5 < 3 ? 1U << 4U : 0U;
+    const std::uint32_t lasting = i >= 750 ? 1U << 9U : 0U;
+    judge.add(i * period_s, 0.01, 0.02, {0.012, 0.019, before | now_and_then | mostly | lasting});
+  }
+  judge.finish();
+  ASSERT_EQ(judge.steps().size(), 1U);
+  const StepFigures& step = judge.steps()[0];
+  EXPECT_EQ(step.limits, 1U << 4U | 1U << 9U);
+  EXPECT_EQ(step.held, 0.012);
+  EXPECT_EQ(step.estimate, 0.019);
+  EXPECT_EQ(step.end, 0.02);
+  EXPECT_TRUE(is_unreached(step));
+}
+
 }  // namespace
 }  // namespace smaservo::report

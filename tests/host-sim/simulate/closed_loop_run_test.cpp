@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <functional>
 #include <gmock/gmock.h>
 #include <limits>
 
@@ -233,6 +234,43 @@ TEST(ClosedLoop, TheReportShowsStepsAndTemperatures) {
     EXPECT_THAT(html, HasSubstr(part));
   }
   EXPECT_EQ(html.find("http://"), std::string::npos) << "it opens without a network";
+}
+
+std::string remarks_of(const std::function<void(bench::ClosedLoopScenario&)>& change) {
+  bench::ClosedLoopScenario scenario = shipped_scenario("steps");
+  scenario.duration_s = 2.4;
+  change(scenario);
+  const auto result = simulate::run_closed_loop(scenario, {.out = "", .record = false});
+  EXPECT_GE(result.strain_steps.size(), 1U);
+  std::string all;
+  for (const std::string& remark : simulate::unreached(scenario, result)) {
+    all += remark + '\n';
+  }
+  EXPECT_THAT(simulate::summary(scenario, result), HasSubstr(all));
+  return all;
+}
+
+TEST(Unreached, SaysNothingOfStepsThatAreReached) {
+  EXPECT_EQ(remarks_of([](auto&) {}), "");
+}
+
+TEST(Unreached, NamesTheLimitThatHoldsTheWireAndItsValue) {
+  EXPECT_THAT(remarks_of([](auto& s) { s.settings.limits.current_A = 0.1; }),
+              HasSubstr(" by\n  limits.current_A, 100 mA\n"));
+  EXPECT_THAT(remarks_of([](auto& s) { s.settings.limits.power_W = 0.1; }),
+              HasSubstr(" by\n  limits.power_W, 0.1 W\n"));
+  EXPECT_THAT(remarks_of([](auto& s) { s.settings.limits.temperature_K = 345; }),
+              HasSubstr(" by\n  limits.temperature_K, 71.85 °C, less limits.hot_spot_K, "));
+  EXPECT_THAT(remarks_of([](auto& s) { s.settings.limits.min_strain = 0.035; }),
+              HasSubstr("set-point held at 3.500 % by\n  limits.min_strain"));
+}
+
+TEST(Unreached, NamesTheFaultThatEndedTheStep) {
+  bench::ClosedLoopScenario scenario = shipped_scenario("wire-break");
+  scenario.duration_s = 3.2;
+  const auto result = simulate::run_closed_loop(scenario, {.out = "", .record = false});
+  EXPECT_THAT(simulate::unreached(scenario, result),
+              ::testing::ElementsAre(HasSubstr(": ended by wire_open;\n")));
 }
 
 }  // namespace

@@ -15,9 +15,13 @@
 namespace smaservo::test {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Each;
 using ::testing::ElementsAre;
+using ::testing::Ge;
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
+using ::testing::Le;
 using Runs = std::vector<smaservo::identify::Run>;
 
 /// The type's preset, with the length that is measured on every wire.
@@ -54,7 +58,7 @@ smaservo::identify::Run displaced(smaservo::identify::Run run) {
   return run;
 }
 
-const auto no_progress = [](std::string_view) {};
+const auto no_progress = [](std::string_view, double) {};
 
 const compare::Compared& named(const compare::Comparison& comparison, std::string_view name) {
   const auto found = std::ranges::find_if(
@@ -100,9 +104,13 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
                       trace("400MPa", 2, 22)};
   const smaservo::identify::Run spring = trace("spring", 3);
   std::vector<std::string> steps;
+  std::vector<double> shares;
   const compare::Comparison all = compare::compare(
       type_of_unit_a(), training, {spring, trace("disturbed", 3), displaced(spring)}, 2,
-      [&](std::string_view step) { steps.emplace_back(step); });
+      [&](std::string_view step, double share) {
+        steps.emplace_back(step);
+        shares.push_back(share);
+      });
 
   // Means in % of the stroke, of a system against the spring and disturbed
   struct Expected {
@@ -139,7 +147,9 @@ TEST(Compare, TheObserverIsFarAheadOnTheProjectsTraces) {
   EXPECT_LT(observer.error.mean(), 1);
 
   EXPECT_EQ(all.systems.size(), expected.size());
-  EXPECT_THAT(steps, IsSupersetOf({"one line", "Preisach", "ihyp", "tests"}));
+  EXPECT_THAT(steps, IsSupersetOf({"one line", "ihyp, all runs", "Preisach", "ihyp", "tests"}));
+  EXPECT_THAT(shares, Each(AllOf(Ge(0), Le(1))));
+  EXPECT_EQ(std::ranges::max(shares), shares.back());
 
   // The same run with a zero of its own: the same strain but for an offset, its errors around 0.
   EXPECT_THAT(all.free_zero, ElementsAre(false, false, true));
