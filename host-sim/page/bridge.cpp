@@ -108,6 +108,7 @@ void run_bridge(const BridgeSettings& settings,
                  .key = settings.key,
                  .clients = settings.clients,
                  .patience_s = settings.patience_s,
+                 .units = settings.units,
                  .version = settings.version,
                  .page = settings.page},
                 *source);

@@ -20,6 +20,7 @@ struct BridgeSettings {
   std::vector<std::string> origins;
   unsigned clients = 8;
   unsigned patience_s = 4;
+  std::string units = "bench";  ///< the page's first choice of units: "bench" or "si"
   std::string version;
   std::string_view page;
 };

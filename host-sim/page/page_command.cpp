@@ -46,6 +46,11 @@ void add_server_options(CLI::App& page, BridgeSettings& server) {
   page.add_option("--clients", server.clients, "browsers and other clients at once, at most")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
+  page.add_option("--units", server.units,
+                  "units of the page in a browser in which none were chosen: bench is degC, MPa, "
+                  "mA, mW, um, %; si is K, Pa, A, W, m, 1")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"bench", "si"}));
   page.add_option("--patience", server.patience_s,
                   "longest silence of a browser before it is closed, which ends its heat, s")
       ->capture_default_str()

@@ -58,7 +58,8 @@ Frame server_info(const ServerInfo& info) {
                      {"metadata",
                       {{"version", info.version},
                        {"client", fmt::format("{}", info.client)},
-                       {"read_only", info.read_only ? "true" : "false"}}},
+                       {"read_only", info.read_only ? "true" : "false"},
+                       {"units", info.units}}},
                      {"sessionId", info.session}});
 }
 

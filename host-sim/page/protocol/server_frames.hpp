@@ -20,6 +20,7 @@ struct ServerInfo {
   std::string session;  ///< differs for each run of the server
   std::uint32_t client;
   bool read_only;
+  std::string units;  ///< the page's first choice of units: "bench" or "si"
 };
 
 Frame server_info(const ServerInfo& info);

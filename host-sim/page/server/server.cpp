@@ -82,7 +82,8 @@ void Server::Body::join(lws* wsi, Session& session) {
   session.client->conversation().greet({.version = settings_.version,
                                         .session = session_,
                                         .client = id,
-                                        .read_only = settings_.read_only},
+                                        .read_only = settings_.read_only,
+                                        .units = settings_.units},
                                        channels_);
 }
 

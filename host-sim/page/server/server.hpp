@@ -16,6 +16,7 @@ struct ServerSettings {
   std::string certificate, key;  ///< PEM files; "": no TLS
   unsigned clients = 8;          ///< greatest number of WebSocket clients
   unsigned patience_s = 4;       ///< longest silence of a client before it is closed, 4 to 60
+  std::string units = "bench";   ///< the page's first choice of units: "bench" or "si"
   std::string version;
   std::string_view page;  ///< HTML; "": the program was built without it
 };

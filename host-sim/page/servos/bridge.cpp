@@ -338,8 +338,8 @@ bool Bridge::read_recording() {
       } else if (!running.recording.is_complete()) {
         continue;
       } else {
-        running.reply(
-            {true, json_text({{"recording", recordings_.kept(running.recording.read())}})});
+        running.reply({true, json_text({{"recording", recordings_.kept(running.recording.read(),
+                                                                       json::object())}})});
       }
     } catch (const UserError& error) {
       running.reply({false, error.what()});

@@ -305,7 +305,7 @@ json Bridge::heat(Servo& servo, const std::string& service, const json& request,
     json answer = json::object();
     if (service == "step") {
       const Operations::Step step = operations_.step(servo, job.ticket, amplitude_um, seconds);
-      answer = {{"recording", recordings_.kept(step.recording)},
+      answer = {{"recording", recordings_.kept(step.recording, step.gains)},
                 {"figures", step.figures},
                 {"gains", step.gains}};
     } else {

@@ -24,6 +24,7 @@ TEST(PageCommand, MistakesEndItWithAMessage) {
       {{"--can", "udp", "--sync", "-1"}, 2, "--sync"},
       {{"--can", "udp", "--watch", "61"}, 2, "--watch"},
       {{"--can", "udp", "--patience", "3"}, 2, "--patience"},
+      {{"--can", "udp", "--units", "SI"}, 2, "--units"},
       {{"--can", "udp", "--timeout", "0"}, 2, "--timeout"},
       {{"--can", "udp", "--listen", "example.org:80"}, 1, "must be ADDRESS:PORT"},
       {{"--can", "udp", "--listen", "127.0.0.1:99999"}, 1, "must be ADDRESS:PORT"},

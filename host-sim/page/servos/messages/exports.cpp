@@ -60,11 +60,20 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-json KeptRecordings::kept(const can::Recording& recording) {
+json KeptRecordings::kept(const can::Recording& recording, const json& gains) {
   json message = recording_message(recording);
   const std::scoped_lock lock(mutex_);
   recordings_.emplace_back(++count_, recording);
-  recordings_.back().second.period_s = message["period_s"].get<double>();
+  can::Recording& file = recordings_.back().second;
+  file.period_s = message["period_s"].get<double>();
+  for (const auto& [name, value] : gains.items()) {
+    if (value.is_number()) {
+      file.signals.push_back(name);
+      for (std::vector<double>& row : file.rows) {
+        row.push_back(value.get<double>());
+      }
+    }
+  }
   if (recordings_.size() > max_kept) {
     recordings_.pop_front();
   }

@@ -18,8 +18,9 @@ std::string base64(const std::string& bytes);
 class KeptRecordings {
  public:
   /// Keeps a recording and returns its message, by whose `id` it can be exported: the whole
-  /// recording may be too long for a request.
-  nlohmann::json kept(const can::Recording& recording);
+  /// recording may be too long for a request. A file of it has a column for each of `gains`
+  /// (parameters by name) that is a number.
+  nlohmann::json kept(const can::Recording& recording, const nlohmann::json& gains);
   /// The answer to the service `export`. Throws UserError.
   nlohmann::json exported(const nlohmann::json& request);
 

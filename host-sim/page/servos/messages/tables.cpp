@@ -40,6 +40,16 @@ json value_json(const Parameter<double>& row, Value value) {
   return value.number();
 }
 
+/// The units in which a person may write the value, SI's own first: those that the tools take at
+/// the end of the name.
+json units_description(const Parameter<double>& row) {
+  json units = json::array();
+  for (const Unit& unit : row.kind) {
+    units.push_back({{"unit", unit.suffix}, {"factor", unit.factor}, {"offset", unit.offset}});
+  }
+  return units;
+}
+
 json parameter_description(const Parameter<double>& row) {
   static constexpr const char* changes[] = {"live", "not enabled", "after reset"};
   static constexpr const char* types[] = {"number", "integer", "choice", "boolean"};
@@ -57,6 +67,9 @@ json parameter_description(const Parameter<double>& row) {
   if (type < 2) {
     described["min"] = value_json(row, row.min);
     described["max"] = value_json(row, row.max);
+  }
+  if (row.type == ValueType::real) {
+    described["units"] = units_description(row);
   }
   if (type == 2) {
     described["choices"] = row.choices;

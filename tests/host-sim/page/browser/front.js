@@ -126,46 +126,182 @@ const tests = {
 
   async 'a value is checked before it is sent, and written as it was typed'({ view, bridge }) {
     await parameter(view, gain);
-    for (const wrong of ['1e9', '-1', 'much', '1 2']) {
+    for (const wrong of ['1e12', '-1', 'much', '1 2']) {
       await field(view, gain).fill(wrong);
       await view.locator(`[id="value-${gain}-why"]`).waitFor();
       await usable(by(view, 'write'), false);
     }
-    await field(view, gain).fill('7.5');
+    await field(view, gain).fill('7500');
     await by(view, 'write').click();
     await text(view, 'history', /, written/);
     assert.deepEqual(bridge.requests('set'), [[{ name: `node1.${gain}`, value: 7.5 }]]);
-    assert.equal(await value(view, gain), '7.5');
+    assert.equal(await value(view, gain), '7500');
+    await text(view, 'history', /strain\.proportional_mW\s*2000 mW → 7500 mW/);
     await by(view, 'undo').click();
-    await until('the value of before', async () => (await value(view, gain)) === '2');
+    await until('the value of before', async () => (await value(view, gain)) === '2000');
     await by(view, 'redo').click();
-    await until('the value again', async () => (await value(view, gain)) === '7.5');
+    await until('the value again', async () => (await value(view, gain)) === '7500');
+    await by(view, 'units-si').click();
+    await text(view, 'history', /strain\.proportional_W\s*2 W → 7\.5 W/);
   },
 
-  async 'a temperature is in degrees Celsius as well, and what surprises is explained'({ view }) {
+  async 'what surprises is explained, in the units of the page'({ view }) {
     await tab(view, 'live');
-    await text(view, 'also-limits.temperature_K', /^= 120 °C$/);
     await text(view, 'plot-temperature', /hot spot \(wire \+ 18 K\)/);
     await by(view, 'why-hot-spot').click();
     await text(view, 'hot-spot-text', /plus a fixed margin of 18 K \(limits\.hot_spot_K\)/);
     await parameter(view, 'limits.temperature_K');
-    await text(view, 'parameter-limits.temperature_K', /273\.15 to 600 K \(0 to 326\.85 °C\)/);
-    await field(view, 'limits.temperature_K').fill('380');
-    await text(view, 'also-limits.temperature_K', /^= 106\.85 °C$/);
+    await text(view, 'parameter-limits.temperature_K', /temperature_degC.*0 to 326\.85 °C/s);
     await field(view, 'limits.temperature_K').fill('900');
-    await gone(view, 'also-limits.temperature_K');
+    await text(view, 'parameter-limits.temperature_K', /900 is too large; allowed: 0 to 326\.85 °C/);
+    await by(view, 'units-si').click();
+    await text(view, 'parameter-limits.temperature_K', /1173\.15 is too large; allowed: 273\.15 to 600 K/);
+    await by(view, 'units-bench').click();
     await by(view, 'discard').click();
     await parameter(view, gain);
     assert.equal(await by(view, `note-${gain}`).count(), 0);
     await field(view, gain).fill('0');
     await text(view, `note-${gain}`, /by the model of the wire alone.*0\.01 s/);
+    await tab(view, 'live');
+    await text(view, 'about-gains', /0 are the default: the inverse model of the wire .* run a step test, try a gain/);
     await by(view, 'discard').click();
+    await gone(view, 'about-gains');
+  },
+
+  async 'one choice of units is that of all numbers, by keyboard, and outlasts a reload'({ view, bridge }) {
+    const temperature = 'limits.temperature_K';
+    const units = async (pattern) => {
+      await tab(view, 'live');
+      bridge.samples(1);
+      await text(view, 'plot-temperature', pattern.plot);
+      await text(view, `unit-${temperature}`, pattern.unit);
+      assert.match(await view.locator('.readings').textContent(), pattern.readings);
+      assert.match(await view.locator('form.target').textContent(), pattern.target);
+      await tab(view, 'step');
+      assert.match(await view.locator('form.card').textContent(), pattern.step);
+    };
+    const bench = { plot: /°C/, unit: /^°C$/, readings: /µm.*%.*°C.*mA/, target: /Target µm/, step: /Amplitude µm/ };
+    const si = { plot: /K/, unit: /^K$/, readings: /m.*K.*A/, target: /Target m[^m]/, step: /Amplitude m[^m]/ };
+    await units(bench);
+    assert.equal(await by(view, 'step-amplitude').inputValue(), '500');
+    await tab(view, 'live');
+    await field(view, temperature)
+      .or(view.locator(`[id="value-f-${temperature}"]`))
+      .first()
+      .waitFor();
+    const edit = view.locator(`[id="value-f-${temperature}"]`);
+    assert.equal(await edit.inputValue(), '120');
+    // A text that is typed goes along, and what nobody has edited is no edit.
+    await edit.fill('110');
+    await by(view, 'units-si').focus();
+    await view.keyboard.press('Enter');
+    await until('kelvins', async () => (await edit.inputValue()) === '383.15');
+    await text(view, 'edit-bar', /1 change/);
+    await by(view, 'write').click();
+    await until('it is written', () => bridge.requests('set').length === 1);
+    assert.deepEqual(bridge.requests('set'), [[{ name: `node1.${temperature}`, value: 383.15 }]]);
+    await units(si);
+    assert.equal(await by(view, 'step-amplitude').inputValue(), '0.0005');
+    await view.reload();
+    await until(
+      'a choice that is kept',
+      async () => (await by(view, 'units-si').getAttribute('aria-pressed')) === 'true',
+    );
+    await units(si);
+    await by(view, 'units-bench').click();
+    await units(bench);
+    assert.equal(await by(view, 'step-amplitude').inputValue(), '500');
+    assert.equal(bridge.requests('set').length, 1);
+  },
+
+  'a browser without a choice has the units of the bridge': Object.assign(
+    async ({ view, bridge }) => {
+      await until('its choice', async () => (await by(view, 'units-si').getAttribute('aria-pressed')) === 'true');
+      await by(view, 'units-bench').click();
+      await view.reload();
+      await until('requests', () => bridge.requests('describe').length > 1);
+      assert.equal(await by(view, 'units-bench').getAttribute('aria-pressed'), 'true');
+    },
+    { units: 'si' },
+  ),
+
+  async 'targets are sent as the protocol has them, whatever the units'({ view, bridge }) {
+    bridge.now({ state: { drive: 'operation_enabled' } });
+    await tab(view, 'live');
+    const send = async (typed, count) => {
+      await by(view, 'target').fill(typed);
+      await by(view, 'go').click();
+      await until('the target', () => bridge.requests('target').length === count);
+      return bridge.requests('target').at(-1).value;
+    };
+    assert.equal(await send('700', 1), 700);
+    await by(view, 'units-si').click();
+    assert.equal(await send('0.0007', 2), 700);
+    bridge.now({ state: { mode: -3, mode_name: 'temperature', target: 350 } });
+    await view.locator('form.target', { hasText: 'Target K' }).waitFor();
+    assert.equal(await send('340', 3), 340);
+    await by(view, 'units-bench').click();
+    await view.locator('form.target', { hasText: 'Target °C' }).waitFor();
+    assert.equal(await by(view, 'target').inputValue(), '76.85');
+    assert.equal(await send('66.85', 4), 340);
+  },
+
+  async 'a trigger keeps its level when the units are switched'({ view, bridge }) {
+    const level = () => by(view, 'trigger-value').inputValue();
+    const recorded = async (count) => {
+      await by(view, 'record').click();
+      await until('the request', () => bridge.requests('record').length === count);
+      return bridge.requests('record').at(-1).trigger;
+    };
+    const rows = [[300], [310]];
+    bridge.answers.record = () => ({ recording: { id: 1, period_s: 0.001, signals: ['wire_temperature_K'], rows } });
+    await tab(view, 'step');
+    await by(view, 'trigger').selectOption('wire_temperature_K');
+    await by(view, 'trigger-value').fill('60');
+    assert.equal(await recorded(1), 'wire_temperature_K>333.15');
+    await shown(view, 'plot-record-°C');
+    await by(view, 'units-si').click();
+    await until('kelvins', async () => (await level()) === '333.15');
+    await shown(view, 'plot-record-K');
+    assert.equal(await recorded(2), 'wire_temperature_K>333.15');
+    await by(view, 'trigger-value').fill('340');
+    assert.equal(await recorded(3), 'wire_temperature_K>340');
+    await by(view, 'units-bench').click();
+    await until('degrees Celsius', async () => (await level()) === '66.85');
+    assert.equal(await recorded(4), 'wire_temperature_K>340');
+  },
+
+  async 'step tests say in which gains the shown ones differ'({ view, bridge }) {
+    let runs = 0;
+    const recording = { period_s: 0.01, signals: ['position_m', 'setpoint'], rows: Array(50).fill([0, 0]) };
+    const figures = { rise_s: 0.1, settling_s: 0.2, overshoot_percent: 1, error_percent: 0.5, peak_K: 360 };
+    bridge.answers.step = () => {
+      const gains = { [gain]: runs, 'limits.temperature_K': runs === 2 ? 383.15 : 393.15, 'limits.hot_spot_K': 18 };
+      return { recording: { ...recording, id: ++runs }, figures, gains };
+    };
+    await tab(view, 'step');
+    const rows = view.locator('[data-testid=run]');
+    for (const count of [1, 2, 3]) {
+      await by(view, 'step-run').click();
+      await until('the run', async () => (await rows.count()) === count);
+    }
+    const told = () => view.locator('th[data-testid^=gain-]').allTextContents();
+    assert.deepEqual(await told(), ['strain.proportional_mW', 'limits.temperature_degC']);
+    assert.match(await rows.first().textContent(), /86\.8.*2000 mW.*110 °C/);
+    assert.match(await rows.last().textContent(), /0 mW.*120 °C/);
+    await text(view, 'gains-of-runs', /gains and limits in which the shown runs differ/);
+    // Without the one in which the limit was another.
+    await rows.first().locator('.run-key').click();
+    await until('one column less', async () => (await told()).join() === 'strain.proportional_mW');
+    await by(view, 'units-si').click();
+    await until('other units', async () => (await told()).join() === 'strain.proportional_W');
+    assert.match(await rows.nth(1).textContent(), /360.*1 W/);
   },
 
   async 'a trial counts down, and its end is said'({ view, bridge }) {
     await parameter(view, gain);
     bridge.answers.try = () => bridge.now({ state: { transaction: { state: 'trying', seconds_left: 30 } } });
-    await field(view, gain).fill('3');
+    await field(view, gain).fill('3000');
     await field(view, gain).press('Enter');
     await text(view, 'trial-left', /^(30|2\d) s$/);
     assert.deepEqual(
@@ -283,7 +419,7 @@ const tests = {
 async function passes(view, bridge, title, test) {
   const began_ms = Date.now();
   try {
-    bridge.begin(test.bridge ?? {});
+    bridge.begin(test.bridge ?? {}, test.units);
     await view.evaluate(() => localStorage.clear());
     await view.reload();
     await shown(view, 'drive');

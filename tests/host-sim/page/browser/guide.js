@@ -12,7 +12,7 @@ async function settings_steps(view) {
   assert.ok((await finding(view, 'bus')).includes(`Node 1 (smaservo) answers on ${bus}`));
   await text(view, 'guide-wire', /76 µm/);
   await by(view, 'guide-wire-done').click();
-  await text(view, 'guide-limits', /limits\.current_A is 400 mA, below the trip at 450 mA/);
+  await text(view, 'guide-limits', /limits\.current_mA is 400 mA, below the trip at 450 mA/);
   await by(view, 'guide-limits-done').click();
   await finding(view, 'limits');
 }
@@ -67,6 +67,12 @@ module.exports = {
     await text(view, 'guide', /All steps are done/);
     await view.reload();
     await text(view, 'guide', /All steps are done/);
+    // What was found is read in the units in force.
+    const in_um = /Asked (\d+) µm, .* °C\./.exec(await finding(view, 'heat'))[1];
+    await by(view, 'units-si').click();
+    const said = await text(view, 'finding-heat', /Asked [\d.e-]+ m, .* K\./);
+    assert.equal(Math.round(1e6 * Number(/Asked ([\d.e-]+) m/.exec(said)[1])), Number(in_um));
+    await by(view, 'units-bench').click();
     await by(view, 'guide-heat').getByRole('button', { name: 'Do it again' }).click();
     await shown(view, 'heat');
     await text(view, 'guide', /6 of 7 steps done/);

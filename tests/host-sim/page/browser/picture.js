@@ -10,7 +10,7 @@ const [host_sim, smaservod, sources, picture, colorScheme = 'light'] = process.a
 const signals = 'strain,setpoint,reference,drive_current_A,power_W,wanted_power_W,resistance_ohm,wire_temperature_K';
 const between_ms = 1800;
 // Narrow enough that its texts can be read at the width of a README, and so high that no card is cut.
-const page_px = { width: 1120, height: 866 };
+const page_px = { width: 1120, height: 932 };
 const plots = 4; // those that have room beside the cards
 const finer = 1.5;
 const targets_um = [100, 2400, 100, 2400, 400, 2200, 700, 2000, 1000, 2400, 100, 2400, 400, 2000, 700];

@@ -34,6 +34,15 @@ const services = [
   'export',
 ];
 
+const si = (unit) => ({ unit, factor: 1, offset: 0 });
+/** Units of parameters: of a temperature degrees Celsius as well, of a difference not. */
+const kinds = {
+  W: [si('W'), { unit: 'mW', factor: 1e-3, offset: 0 }],
+  A: [si('A'), { unit: 'mA', factor: 1e-3, offset: 0 }],
+  K: [si('K'), { unit: 'degC', factor: 1, offset: 273.15 }],
+  'limits.hot_spot_K': [si('K')],
+};
+
 /** What a servo that is off, healthy and alone has its bridge say. */
 function usual() {
   return {
@@ -58,6 +67,7 @@ function usual() {
         name,
         type: 'number',
         unit,
+        units: kinds[name] ?? kinds[unit],
         min,
         max,
         default: 1,
@@ -135,8 +145,9 @@ class ScriptedBridge {
     return bridge;
   }
 
-  /** Everything as usual but for what `said` changes, for those who connect from now on. */
-  begin(said) {
+  /** Everything as usual but for what `said` changes, for those who connect from now on; `units` is their first
+   * choice. */
+  begin(said, units = 'bench') {
     clearInterval(this.streaming);
     this.drop();
     Object.assign(this, usual());
@@ -146,7 +157,12 @@ class ScriptedBridge {
       name: 'scripted',
       capabilities: ['parameters', 'parametersSubscribe', 'services'],
       supportedEncodings: ['json'],
-      metadata: { version: 'scripted', client: String(this.client), read_only: String(this.bridge.read_only) },
+      metadata: {
+        version: 'scripted',
+        client: String(this.client),
+        read_only: String(this.bridge.read_only),
+        units,
+      },
     });
     this.channels = new Map(
       ['/bridge', ...this.bridge.nodes.flatMap(({ node }) => [`/node${node}/live`, `/node${node}/state`])].map(

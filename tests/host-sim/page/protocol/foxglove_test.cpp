@@ -47,7 +47,8 @@ class TestDesk final : public Desk {
 class Talk : public testing::Test {
  protected:
   Talk() {
-    talk.greet({.version = "1", .session = "s", .client = 3, .read_only = false}, three_channels);
+    talk.greet({.version = "1", .session = "s", .client = 3, .read_only = false, .units = "si"},
+               three_channels);
     greeting = take();
   }
 
@@ -93,7 +94,8 @@ TEST_F(Talk, BeginsWithServerChannelsAndServices) {
   EXPECT_EQ(info["op"], "serverInfo");
   EXPECT_EQ(info["capabilities"], json({"parameters", "parametersSubscribe", "services"}));
   EXPECT_EQ(info["supportedEncodings"], json({"json"}));
-  EXPECT_EQ(info["metadata"], json({{"version", "1"}, {"client", "3"}, {"read_only", "false"}}));
+  EXPECT_EQ(info["metadata"],
+            json({{"version", "1"}, {"client", "3"}, {"read_only", "false"}, {"units", "si"}}));
   const json channels = json::parse(greeting[1].head);
   EXPECT_EQ(channels["op"], "advertise");
   EXPECT_EQ(channels["channels"][2], json({{"id", 7},

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <set>
 
+#include "firmware/text/canopen/objects.hpp"
 #include "hal/recording/mcap/rows_reader.hpp"
+#include "host-sim/page/servos/messages/tables.hpp"
 #include "tests/host-sim/page/servos/page_servos.hpp"
 
 namespace smaservo::page {
@@ -145,14 +147,39 @@ TEST_F(PageServos, StepsAndRecordsAndExports) {
   EXPECT_THAT(file.json()["base64"].get<std::string>(), testing::StartsWith("dGltZV9z"));
   const std::string by_id =
       fmt::format(R"({{"recording":{},"as":"csv"}})", answer["recording"]["id"].get<int>());
-  EXPECT_EQ(bench.call(9, "export", by_id).text, file.text);
+  // What the bridge keeps of a step has its gains as well, the same in each row.
+  const std::string kept =
+      from_base64(bench.call(9, "export", by_id).json()["base64"].get<std::string>());
+  const auto lines = [](const std::string& text) {
+    std::vector<std::string> all;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) {
+      all.push_back(line);
+    }
+    return all;
+  };
+  const std::vector<std::string> plain =
+      lines(from_base64(file.json()["base64"].get<std::string>()));
+  const std::vector<std::string> whole = lines(kept);
+  ASSERT_EQ(whole.size(), plain.size());
+  std::string names;
+  std::string values;
+  for (const auto& [name, value] : answer["gains"].items()) {
+    if (value.is_number()) {
+      names += "," + name;
+      values += fmt::format(",{}", value.get<float>());
+    }
+  }
+  EXPECT_THAT(names, HasSubstr(",strain.proportional_W,"));
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    EXPECT_EQ(whole[i], plain[i] + (i == 0 ? names : values));
+  }
   // The other format has the same rows.
   const std::string as_mcap =
       fmt::format(R"({{"recording":{},"as":"mcap"}})", answer["recording"]["id"].get<int>());
   const json mcap = bench.call(9, "export", as_mcap).json();
   EXPECT_EQ(mcap["name"], "recording.mcap");
-  EXPECT_EQ(csv_of(from_base64(mcap["base64"].get<std::string>())),
-            from_base64(file.json()["base64"].get<std::string>()));
+  EXPECT_EQ(csv_of(from_base64(mcap["base64"].get<std::string>())), kept);
   // Others go on while a recording waits for its trigger.
   const auto recorded = bench.ask(
       2, "record",
@@ -169,6 +196,39 @@ TEST_F(PageServos, StepsAndRecordsAndExports) {
   EXPECT_LT(rows[99][0].get<double>(), 310);
   EXPECT_GE(rows[100][0].get<double>(), 310) << "the trigger";
   EXPECT_GT(rows.back()[0].get<double>(), 310);
+}
+
+TEST(PageDescription, OffersDegreesCelsiusForTemperaturesAndNotForDifferences) {
+  std::size_t temperatures = 0;
+  std::size_t differences = 0;
+  const json description = described();
+  for (const json& parameter : description["parameters"]) {
+    const std::string name = parameter["name"];
+    EXPECT_EQ(parameter.contains("units"), parameter["type"] == "number") << name;
+    if (!parameter.contains("units")) {
+      continue;
+    }
+    const json si{{"unit", parameter["unit"]}, {"factor", 1.0}, {"offset", 0.0}};
+    EXPECT_EQ(parameter["units"][0], si) << name;
+    bool shifted = false;
+    for (const json& unit : parameter["units"]) {
+      EXPECT_GT(unit["factor"].get<double>(), 0) << name;
+      shifted = shifted || unit["offset"] != 0;
+      // Each is a name that the settings take.
+      const std::string suffix = unit["unit"];
+      const std::string si_suffix = parameter["unit"];
+      const std::string base =
+          si_suffix.empty() ? name : name.substr(0, name.size() - si_suffix.size() - 1);
+      EXPECT_NO_THROW(text::find_object(suffix.empty() ? base : base + "_" + suffix)) << name;
+    }
+    // A wire is not colder than 100 K, and no difference has a lower bound so large.
+    const bool is_temperature = parameter["unit"] == "K" && parameter["min"].get<double>() >= 100;
+    EXPECT_EQ(shifted, is_temperature) << name;
+    temperatures += is_temperature ? 1U : 0U;
+    differences += parameter["unit"] == "K" && !is_temperature ? 1U : 0U;
+  }
+  EXPECT_GT(temperatures, 10U);
+  EXPECT_GT(differences, 4U);
 }
 
 TEST_F(PageServos, SettingsComeBackFromAFile) {

@@ -1,74 +1,49 @@
-// How quantities are shown to a person: °C, MPa, mA, µm and % where the bus has SI units.
+// How signals are shown to a person, in the chosen units.
 
 import { formatNumber } from '../numbers/format';
-import { zero_degC_K } from '../numbers/temperature';
+import { type Quantity, scaleOf, type Shown, type Units } from '../numbers/units';
 import type { Role } from '../plot/theme';
 import { controlled } from './feed';
 
-export interface Shown {
-  unit: string;
-  factor: number;
-  offset: number;
-  smallest?: number; ///< shortest range of an axis, in that unit: what is less is noise
+const ends = ['K', 'Pa', 'A', 'W', 'm_s', 'm', 'ohm', 'V', 'N'] as const satisfies readonly Quantity[];
+
+const shares = [
+  'strain',
+  'strain_sd',
+  'strain_low',
+  'strain_high',
+  'setpoint_strain',
+  'reference_strain',
+  'contraction',
+  'martensite',
+  'r_phase',
+  'austenite',
+  'cooling',
+];
+
+/** What a signal is; null: a number without a unit. An error of a temperature is a difference. */
+function quantityOf(signal: string): Quantity | null {
+  if (shares.includes(signal)) {
+    return 'share';
+  }
+  const unit = unitOf(signal);
+  return unit === 'K' && signal.startsWith('error:') ? 'difference_K' : unit || null;
 }
 
-const units: Record<string, Shown> = {
-  K: { unit: '°C', factor: 1, offset: -zero_degC_K, smallest: 2 },
-  Pa: { unit: 'MPa', factor: 1e-6, offset: 0, smallest: 1 },
-  A: { unit: 'mA', factor: 1e3, offset: 0, smallest: 1 },
-  W: { unit: 'mW', factor: 1e3, offset: 0, smallest: 1 },
-  m: { unit: 'µm', factor: 1e6, offset: 0, smallest: 10 },
-  'm/s': { unit: 'mm/s', factor: 1e3, offset: 0, smallest: 0.1 },
-  m_s: { unit: 'mm/s', factor: 1e3, offset: 0, smallest: 0.1 },
-  ohm: { unit: 'Ω', factor: 1, offset: 0, smallest: 0.02 },
-  V: { unit: 'V', factor: 1, offset: 0, smallest: 0.1 },
-  N: { unit: 'N', factor: 1, offset: 0, smallest: 0.1 },
-};
-
-const special: Record<string, Shown> = Object.fromEntries(
-  [
-    'strain',
-    'strain_sd',
-    'strain_low',
-    'strain_high',
-    'setpoint_strain',
-    'reference_strain',
-    'contraction',
-    'martensite',
-    'r_phase',
-    'austenite',
-    'cooling',
-  ].map((name) => [name, { unit: '%', factor: 100, offset: 0, smallest: 0.1 }]),
-);
-
-/** A difference of temperatures has no offset. */
-export function shownAs(signal: string): Shown {
-  const named = special[signal];
-  if (named) {
-    return named;
-  }
-  const difference = signal.startsWith('error:');
-  const unit = unitOf(signal);
-  const shown = units[unit] ?? { unit, factor: 1, offset: 0 };
-  if (difference && unit === 'K') {
-    return { ...shown, unit: 'K', offset: 0 };
-  }
-  return shown;
+export function shownAs(signal: string, units: Units): Shown {
+  const quantity = quantityOf(signal);
+  return quantity === null ? { unit: '', factor: 1, offset: 0 } : scaleOf(quantity, units);
 }
 
 /** Set-point and reference are in the unit of what a mode controls. */
-export function shownIn(mode: number, signal: string): Shown {
+export function shownIn(mode: number, signal: string, units: Units): Shown {
   const follows = signal === 'setpoint' || signal === 'reference';
-  return shownAs((follows ? controlled(mode) : null) ?? signal);
+  return shownAs((follows ? controlled(mode) : null) ?? signal, units);
 }
 
 /** The unit that ends a name. */
-export function unitOf(signal: string): string {
-  if (signal.endsWith('_m_s')) {
-    return 'm_s';
-  }
-  const end = signal.slice(signal.lastIndexOf('_') + 1);
-  return end in units ? end : '';
+export function unitOf(signal: string): (typeof ends)[number] | '' {
+  return ends.find((unit) => signal.endsWith(`_${unit}`)) ?? '';
 }
 
 const labels: Record<string, [string, Role]> = {

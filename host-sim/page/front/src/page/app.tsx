@@ -2,7 +2,7 @@ import { useEffect } from 'preact/hooks';
 import { at } from '../session/route';
 import { bridge, link, lostReason, nodes, state } from '../session/session';
 import { GuideView } from './guide/guide_view';
-import { Header } from './header';
+import { Header, narrow, UnitsChoice } from './header';
 import { LiveView } from './live/live_view';
 import { NoticeList } from './notice_list';
 import { ParameterView } from './parameters/parameter_view';
@@ -51,6 +51,12 @@ export function App() {
         <Trouble />
       </div>
       <main id="main">
+        {narrow.value && (
+          <div class="bar units-row">
+            <span class="soft">Units</span>
+            <UnitsChoice />
+          </div>
+        )}
         <current.view />
       </main>
       <NoticeList />

@@ -1,4 +1,7 @@
 import { act, bridge, choose, client, control, link, node, nodes, readOnly, state } from '../session/session';
+import { signal } from '@preact/signals';
+import type { Units } from '../numbers/units';
+import { chooseUnits, units } from '../session/units';
 import { StopButton } from './stop';
 import { driveWords } from './state/drive';
 
@@ -20,6 +23,7 @@ export function Header() {
       <ServoChoice />
       <DrivePill />
       <span class="spring" />
+      {!narrow.value && <UnitsChoice />}
       <Control />
       <StopButton />
     </header>
@@ -54,6 +58,36 @@ function ServoChoice() {
       </select>
       <span class="soft">{bridge.value?.bus}</span>
     </label>
+  );
+}
+
+/** Whether the header has no room for the choice of units, which then stands above the view. */
+const narrowest = matchMedia('(max-width: 900px)');
+export const narrow = signal(narrowest.matches);
+narrowest.addEventListener('change', () => {
+  narrow.value = narrowest.matches;
+});
+
+const unitChoices: { which: Units; text: string; title: string }[] = [
+  { which: 'bench', text: 'bench', title: 'Units of the bench: °C, MPa, mA, mW, µm, mm/s, %' },
+  { which: 'si', text: 'SI', title: 'Units of SI: K, Pa, A, W, m, m/s, 1' },
+];
+
+export function UnitsChoice() {
+  return (
+    <div class="segments units" role="group" aria-label="Units">
+      {unitChoices.map(({ which, text, title }) => (
+        <button
+          type="button"
+          key={which}
+          title={title}
+          aria-pressed={units.value === which}
+          data-testid={`units-${which}`}
+          onClick={() => chooseUnits(which)}>
+          {text}
+        </button>
+      ))}
+    </div>
   );
 }
 

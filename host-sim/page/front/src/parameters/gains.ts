@@ -45,3 +45,20 @@ export function gainText(name: string, values: Record<string, Value>): string {
   }
   return values[name] === 0 ? '' : `Adds nothing while ${proportional} is 0: it is a factor on that gain.`;
 }
+
+/** Of a servo whose strain loop has no PID in force; '' where it has one, or was not read. */
+export function defaultGainsText(values: Record<string, Value>): string {
+  if (values['strain.proportional_W'] !== 0 || values['trajectory.feed_forward_s'] === 0) {
+    return '';
+  }
+  return (
+    'PID gains of 0 are the default: the inverse model of the wire (feed-forward) moves the servo, and the gains only ' +
+    'add to it.'
+  );
+}
+
+/** The same above the gains, with what to do. */
+export function tuningText(values: Record<string, Value>): string {
+  const text = defaultGainsText(values);
+  return text && `${text} To tune, run a step test, try a gain, and run the test again.`;
+}

@@ -35,6 +35,8 @@ export function countOf(group: Group): number {
 
 export interface Filter {
   text: string;
+  /** Another name under which a parameter is shown. */
+  shown?: (parameter: ParameterInfo) => string;
   only?: (parameter: ParameterInfo) => boolean;
 }
 
@@ -48,7 +50,7 @@ export function find(parameters: readonly ParameterInfo[], filter: Filter): Para
     if (filter.only && !filter.only(parameter)) {
       return false;
     }
-    const name = parameter.name.toLowerCase();
+    const name = `${parameter.name} ${filter.shown?.(parameter) ?? ''}`.toLowerCase();
     const text =
       `${name} ${name.replace(/[._]/g, ' ')} ${parameter.meaning.toLowerCase()} ` + parameter.unit.toLowerCase();
     return words.every((word) => text.includes(word));

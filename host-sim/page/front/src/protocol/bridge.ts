@@ -53,6 +53,13 @@ export interface State {
 
 export type Value = number | boolean | string;
 
+/** The value in SI is factor * value + offset. */
+export interface ParameterUnit {
+  unit: string;
+  factor: number;
+  offset: number;
+}
+
 export interface ParameterInfo {
   name: string;
   type: 'number' | 'integer' | 'boolean' | 'choice';
@@ -61,6 +68,7 @@ export interface ParameterInfo {
   max: number | null;
   default: Value | null;
   choices?: string[];
+  units?: ParameterUnit[]; ///< of a number that is no integer: all units of its kind, SI's own first
   change: 'live' | 'not enabled' | 'after reset';
   level: string;
   meaning: string;

@@ -2,12 +2,14 @@
 
 import { batch, computed, effect, signal, untracked } from '@preact/signals';
 import { Feed } from '../live/feed';
+import { isUnits } from '../numbers/units';
 import { PlotGroup } from '../plot/group';
 import type { Bridge, Description, NodeInfo, State, Value } from '../protocol/bridge';
 import { parseJson } from '../protocol/codec';
 import { Connection, type NamedValue, type Socket, subprotocol } from '../protocol/connection';
 import { say, sayError } from './notices';
 import { isNumber, saved } from './saved';
+import { firstUnits } from './units';
 
 export const link = signal<'connecting' | 'open' | 'lost'>('connecting');
 export const lostReason = signal('');
@@ -112,6 +114,7 @@ export function start(): void {
         client.value = metadata['client'] === undefined ? null : Number(metadata['client']);
         version.value = metadata['version'] ?? '';
         readOnlyClient.value = metadata['read_only'] === 'true';
+        firstUnits.value = isUnits(metadata['units']) ? metadata['units'] : 'bench';
       }),
     lost: (reason) =>
       batch(() => {

@@ -3,14 +3,16 @@
 import { computed, effect, signal, untracked } from '@preact/signals';
 import { sameValue } from '../parameters/tree';
 import { UndoHistory } from '../parameters/undo';
-import { parseValue } from '../parameters/values';
+import { convertText, parseValue, shownName, withShownNames } from '../parameters/values';
+import type { Units } from '../numbers/units';
 import type { Difference, ParameterInfo, Value } from '../protocol/bridge';
 import { say, sayError, sayFileError } from './notices';
 import { isNumber, isStrings, saved } from './saved';
 import { act, call, description, node, own, set, state } from './session';
+import { units } from './units';
 
-/** Texts that were typed and not written yet, by name. */
-export const drafts = signal<Record<string, string>>({});
+/** What was typed and not written yet, by name, with the units in which it was typed. */
+export const drafts = signal<Record<string, { text: string; units: Units }>>({});
 export const favourites = saved<string[]>(
   'favourites',
   ['strain.proportional_W', 'strain.integral_1_s', 'strain.derivative_s', 'limits.current_A', 'limits.temperature_K'],
@@ -36,6 +38,23 @@ export const infos = computed<Map<string, ParameterInfo>>(
   () => new Map((description.value?.parameters ?? []).map((info) => [info.name, info])),
 );
 
+/** The name under which a parameter is shown. */
+export function nameOf(name: string): string {
+  const info = infos.value.get(name);
+  return info ? shownName(info, units.value) : name;
+}
+
+/** A text for a person, with such names. */
+export function named(text: string): string {
+  return withShownNames(text, infos.value, units.value);
+}
+
+/** What was typed, in the units in force; undefined: nothing. */
+export function draftText(info: ParameterInfo): string | undefined {
+  const typed = drafts.value[info.name];
+  return typed && convertText(info, typed.text, typed.units, units.value);
+}
+
 export interface Drafted {
   values: Record<string, Value>;
   refused: Record<string, string>;
@@ -43,14 +62,15 @@ export interface Drafted {
 
 export const drafted = computed<Drafted>(() => {
   const result: Drafted = { values: {}, refused: {} };
-  for (const [name, text] of Object.entries(drafts.value)) {
+  for (const [name, typed] of Object.entries(drafts.value)) {
     const info = infos.value.get(name);
     if (!info) {
       continue;
     }
-    const parsed = parseValue(info, text);
+    const parsed = parseValue(info, typed.text, typed.units);
     if ('refused' in parsed) {
-      result.refused[name] = parsed.refused;
+      const now = parseValue(info, convertText(info, typed.text, typed.units, units.value), units.value);
+      result.refused[name] = 'refused' in now ? now.refused : parsed.refused;
     } else if (!sameValue(parsed.value, own.value[name])) {
       result.values[name] = parsed.value;
     }
@@ -63,7 +83,7 @@ export function draft(name: string, text: string | null): void {
   if (text === null) {
     delete next[name];
   } else {
-    next[name] = text;
+    next[name] = { text, units: units.peek() };
   }
   drafts.value = next;
 }

@@ -18,7 +18,7 @@ const settings: Settings = {
   'wire.m2a.finish_2_K_Pa2': 0,
 };
 const wrong = (changed: Settings, stress_Pa = 150e6): string[] =>
-  limitChecks({ ...settings, ...changed }, stress_Pa)
+  limitChecks({ ...settings, ...changed }, stress_Pa, 'bench')
     .filter((check) => check.ok === false)
     .map((check) => check.text);
 
@@ -35,9 +35,19 @@ describe('the checks of the guide', () => {
 
   it('find a stress above its limit', () => expect(wrong({}, 260e6)).not.toEqual([]));
 
+  it('judge the same in both choices of units, and say it in these', () => {
+    const [bench, si] = (['bench', 'si'] as const).map((units) => limitChecks(settings, 150e6, units));
+    expect(si!.map((check) => check.ok)).toEqual(bench!.map((check) => check.ok));
+    const texts = (checks: typeof bench): string => checks!.map((check) => check.text).join(' ');
+    expect(texts(bench)).toMatch(/100 mA.*150 mA.*120 °C.*130 °C.*150 MPa.*81\.85 °C.*4 %.*A\/mm²/);
+    expect(texts(bench)).not.toMatch(/\d (A(?!\/mm)|K|Pa)\b/);
+    expect(texts(si)).toMatch(/0\.1 A.*0\.15 A.*393\.1 K.*1\.5e\+08 Pa.*355 K.*0\.04 at position.*A\/m²/);
+    expect(texts(si)).not.toMatch(/mA|°C|MPa|%/);
+  });
+
   it('judge nothing that was not read', () => {
-    expect(limitChecks({}, NaN).every((check) => check.ok === null)).toBe(true);
-    expect(limitChecks({ ...settings, 'trips.current_A': 'x' }, 150e6)[0]!.ok).toBeNull();
+    expect(limitChecks({}, NaN, 'bench').every((check) => check.ok === null)).toBe(true);
+    expect(limitChecks({ ...settings, 'trips.current_A': 'x' }, 150e6, 'bench')[0]!.ok).toBeNull();
   });
 
   it('reckon with the wire as its parameters have it', () => {

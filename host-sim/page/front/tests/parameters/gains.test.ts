@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { gainText } from '../../src/parameters/gains';
+import { gainText, tuningText } from '../../src/parameters/gains';
 
 /** As a servo has them by default. */
 const usual = {
@@ -45,4 +45,12 @@ describe('a gain of 0', () => {
     expect(gainText('drive.proportional', { 'drive.proportional': 0 })).toBe('');
     expect(gainText('strain.proportional_W', {})).toBe('');
   });
+});
+
+it('the default gains are explained where a person tunes, with what to do', () => {
+  expect(tuningText(usual)).toMatch(/the default: the inverse model of the wire \(feed-forward\) moves the servo/);
+  expect(tuningText(usual)).toMatch(/run a step test, try a gain/);
+  expect(tuningText({ ...usual, 'strain.proportional_W': 2 })).toBe('');
+  expect(tuningText({ ...usual, 'trajectory.feed_forward_s': 0 })).toBe('');
+  expect(tuningText({})).toBe('');
 });

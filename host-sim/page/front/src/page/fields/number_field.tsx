@@ -2,6 +2,7 @@
 
 import type { Signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
+import { fromShown, type Shown, tidy, toShown } from '../../numbers/units';
 
 interface NumberFieldProps {
   title: string;
@@ -39,18 +40,24 @@ export function NumberField({ title, unit, value, testid, set }: NumberFieldProp
   );
 }
 
+interface SignalFieldProps extends Pick<NumberFieldProps, 'title' | 'testid'> {
+  number: Signal<number>;
+  scale: Shown; ///< in which the number of the signal is shown and typed
+}
+
 /** One whose number is that of a signal. */
-export function SignalField({
-  number,
-  ...rest
-}: Pick<NumberFieldProps, 'title' | 'unit' | 'testid'> & { number: Signal<number> }) {
+export function SignalField({ number, scale, ...rest }: SignalFieldProps) {
   return (
     <NumberField
       {...rest}
-      value={number.value}
+      key={scale.unit}
+      unit={scale.unit}
+      value={tidy(toShown(scale, number.value))}
       set={(value) => {
-        number.value = value;
+        number.value = fromShown(scale, value);
       }}
     />
   );
 }
+
+export const inSeconds: Shown = { unit: 's', factor: 1, offset: 0 };

@@ -1,7 +1,7 @@
 // What the guide can say of a servo's settings, from what was read and nothing else.
 
 import { formatNumber } from '../../numbers/format';
-import { formatCelsius } from '../../numbers/temperature';
+import { type Quantity, quantityText, type Units } from '../../numbers/units';
 import type { Value } from '../../protocol/bridge';
 
 export interface Check {
@@ -19,8 +19,6 @@ function number(settings: Settings, name: string): number {
 function judged(condition: boolean, parts: number[], text: string): Check {
   return { ok: parts.some(Number.isNaN) ? null : condition, text };
 }
-
-const MPa = (pascal: number): string => `${formatNumber(pascal / 1e6)} MPa`;
 
 /** Temperature at which the wire has contracted, at a stress. */
 export function finish_K(settings: Settings, stress_Pa: number): number {
@@ -41,8 +39,13 @@ export function stroke_m(settings: Settings): number {
   return number(settings, 'wire.nominal_stroke') * number(settings, 'wire.length_m');
 }
 
-/** Limits against trips, and both against the wire. `stress_Pa` is the measured one. */
-export function limitChecks(settings: Settings, stress_Pa: number): Check[] {
+function densityText(density_A_m2: number, units: Units): string {
+  return units === 'bench' ? `${formatNumber(density_A_m2 / 1e6)} A/mm²` : `${formatNumber(density_A_m2)} A/m²`;
+}
+
+/** Limits against trips, and both against the wire, in these units. `stress_Pa` is the measured one. */
+export function limitChecks(settings: Settings, stress_Pa: number, units: Units): Check[] {
+  const text = (quantity: Quantity, value: number): string => quantityText(quantity, value, units);
   const of = (name: string): number => number(settings, name);
   const current = of('limits.current_A');
   const trip = of('trips.current_A');
@@ -52,43 +55,43 @@ export function limitChecks(settings: Settings, stress_Pa: number): Check[] {
   const tripStress = of('trips.stress_Pa');
   const finish = finish_K(settings, stress_Pa);
   const area = (Math.PI / 4) * of('wire.diameter_m') ** 2;
-  const density = current / area / 1e6;
+  const density = current / area;
   return [
     judged(
       current < trip,
       [current, trip],
-      `limits.current_A is ${formatNumber(1e3 * current)} mA, below the trip at ${formatNumber(1e3 * trip)} mA.`,
+      `limits.current_A is ${text('A', current)}, below the trip at ${text('A', trip)}.`,
     ),
     judged(
       hottest < tripHottest,
       [hottest, tripHottest],
-      `limits.temperature_K is ${formatCelsius(hottest)}, below the trip at ${formatCelsius(tripHottest)}.`,
+      `limits.temperature_K is ${text('K', hottest)}, below the trip at ${text('K', tripHottest)}.`,
     ),
     judged(
       hottest > finish,
       [hottest, finish],
-      `At the measured ${MPa(stress_Pa)} this wire has contracted at ${formatCelsius(finish)}; the limit must be above.`,
+      `At the measured ${text('Pa', stress_Pa)} this wire has contracted at ${text('K', finish)}; the limit must be above.`,
     ),
     judged(
       stress < tripStress,
       [stress, tripStress],
-      `limits.stress_Pa is ${MPa(stress)}, below the trip at ${MPa(tripStress)}.`,
+      `limits.stress_Pa is ${text('Pa', stress)}, below the trip at ${text('Pa', tripStress)}.`,
     ),
     judged(
       stress_Pa < stress,
       [stress_Pa, stress],
-      `The measured stress is ${MPa(stress_Pa)}, below the limit of ${MPa(stress)}.`,
+      `The measured stress is ${text('Pa', stress_Pa)}, below the limit of ${text('Pa', stress)}.`,
     ),
     judged(
       of('limits.min_strain') < of('axis.zero_strain'),
       [of('limits.min_strain'), of('axis.zero_strain')],
-      `Strain may go from ${formatNumber(100 * of('axis.zero_strain'))} % at position 0 down to ` +
-        `${formatNumber(100 * of('limits.min_strain'))} %.`,
+      `Strain may go from ${text('share', of('axis.zero_strain'))} at position 0 down to ` +
+        `${text('share', of('limits.min_strain'))}.`,
     ),
     {
       ok: null,
       text:
-        `The limit of the current is ${formatNumber(density)} A/mm² in this wire. The maker's data ` +
+        `The limit of the current is ${densityText(density, units)} in this wire. The maker's data ` +
         'sheet says what it bears; the page cannot judge it.',
     },
   ].filter((check) => !check.text.includes('–') || check.ok === null);

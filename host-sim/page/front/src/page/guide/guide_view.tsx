@@ -3,7 +3,7 @@
 
 import type { JSX } from 'preact';
 import { node } from '../../session/session';
-import { findingOf, forget, opened, type StepId, steps } from './findings';
+import { findingOf, forget, opened, saidText, type StepId, steps } from './findings';
 import { BusStep, KeepStep, LimitsStep, WireStep } from './settings_steps';
 import { HeatStep, ResistorStep, TuneStep } from './heated_steps';
 
@@ -68,7 +68,7 @@ export function GuideView() {
               </button>
               {finding && (
                 <p class="finding" data-testid={`finding-${step.id}`}>
-                  {finding.text}{' '}
+                  {saidText(finding.text)}{' '}
                   <button type="button" class="link" onClick={() => forget(step.id)}>
                     Do it again
                   </button>

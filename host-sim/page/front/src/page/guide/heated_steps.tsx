@@ -4,14 +4,19 @@ import { useState } from 'preact/hooks';
 import { hotSpotText } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
 import { lowerBound } from '../../numbers/samples';
-import { formatCelsius } from '../../numbers/temperature';
+import { type Quantity, quantityText } from '../../numbers/units';
+import { defaultGainsText } from '../../parameters/gains';
 import { sayError } from '../../session/notices';
 import { act, call, feed, hotSpotMargin_K, mayWrite, node, own, state } from '../../session/session';
+import { units } from '../../session/units';
 import { NumberField } from '../fields/number_field';
 import { allowed } from '../state/drive';
-import { column as columnOf, runs } from '../step/runs';
+import { column as columnOf, type Run, runs } from '../step/runs';
 import { cold_ohm, statistics, type Statistics, stroke_m } from './checks';
-import { found, Read } from './findings';
+import { amount, found, Read, saidText, type Said } from './findings';
+
+const readIn = (quantity: Quantity, value: number, digits = 4): string =>
+  quantityText(quantity, value, units.value, digits);
 
 /** The samples of the last seconds that were really received. */
 function recent(signal: string, seconds: number): Statistics {
@@ -91,13 +96,13 @@ export function ResistorStep() {
     }
     setBusy(false);
   };
-  const error = read ? 100 * (read.mean / ohm - 1) : NaN;
+  const error = read ? read.mean / ohm - 1 : NaN;
   return (
     <>
       <p>
         A resistor in the place of the wire shows whether the readings are right before anything can be overheated. It
         must bear the current, and be between {formatNumber(low, 3)} and {formatNumber(high, 3)} Ω, or the servo refuses
-        it as a wrong wire. It is measured with the minimum current, {formatNumber(1e3 * least_A)} mA.
+        it as a wrong wire. It is measured with the minimum current, {readIn('A', least_A)}.
       </p>
       <div class="bar wrap ends">
         <NumberField title="By an ohmmeter" unit="Ω" value={ohm} set={setOhm} testid="resistor-ohm" />
@@ -118,8 +123,8 @@ export function ResistorStep() {
           <Read
             rows={[
               ['Read', `${formatNumber(read.mean)} Ω, mean of ${read.count} samples`],
-              ['Noise', `${formatNumber((100 * read.sd) / read.mean, 2)} % of it (standard deviation)`],
-              ['Against the ohmmeter', `${formatNumber(error, 2)} %`],
+              ['Noise', `${readIn('share', read.sd / read.mean, 2)} of it (standard deviation)`],
+              ['Against the ohmmeter', readIn('share', error, 2)],
             ]}
           />
         ))}
@@ -130,10 +135,15 @@ export function ResistorStep() {
           disabled={!read || !(read.count > 0)}
           data-testid="guide-resistor-done"
           onClick={() =>
-            found(
-              'resistor',
-              `Read ${formatNumber(read!.mean)} Ω with ${formatNumber(ohm)} Ω connected: ${formatNumber(error, 2)} % off.`,
-            )
+            found('resistor', [
+              'Read ',
+              amount('ohm', read!.mean),
+              ' with ',
+              amount('ohm', ohm),
+              ' connected: ',
+              amount('share', error, 2),
+              ' off.',
+            ])
           }>
           Go on
         </button>
@@ -150,14 +160,15 @@ export function ResistorStep() {
 interface Heated {
   cold_ohm: number;
   hot_ohm: number;
-  moved_um: number;
-  asked_um: number;
+  moved_m: number;
+  asked_m: number;
   hottest_K: number;
 }
 
 /** A tenth of the stroke, for two seconds, and back. */
 export function HeatStep() {
-  const asked = Math.round(0.1e6 * stroke_m(own.value));
+  const asked_um = Math.round(0.1e6 * stroke_m(own.value));
+  const asked = readIn('m', asked_um * 1e-6);
   const [busy, setBusy] = useState(false);
   const [heated, setHeated] = useState<Heated | null>(null);
   const enabled = state.value?.drive === 'operation_enabled';
@@ -172,7 +183,7 @@ export function HeatStep() {
       await call('target', { node: which, value: 0 });
       await wait(1500);
       const before = { ohm: recent('resistance_ohm', 0.5).mean, m: recent('position_m', 0.5).mean };
-      await call('target', { node: which, value: asked });
+      await call('target', { node: which, value: asked_um });
       await wait(2500);
       const { ring } = feed.peek();
       const range = { low: NaN, high: NaN };
@@ -180,8 +191,8 @@ export function HeatStep() {
       setHeated({
         cold_ohm: before.ohm,
         hot_ohm: recent('resistance_ohm', 0.5).mean,
-        moved_um: 1e6 * (recent('position_m', 0.5).mean - before.m),
-        asked_um: asked,
+        moved_m: recent('position_m', 0.5).mean - before.m,
+        asked_m: asked_um * 1e-6,
         hottest_K: range.high,
       });
       await call('target', { node: which, value: 0 });
@@ -194,17 +205,17 @@ export function HeatStep() {
   return (
     <>
       <p>
-        Mount the wire with its load. It is heated for the first time: a tenth of its stroke, {asked} µm, for two and a
+        Mount the wire with its load. It is heated for the first time: a tenth of its stroke, {asked}, for two and a
         half seconds. Watch it, with a finger at the space bar.
       </p>
       <div class="bar wrap">
         <EnableButton />
         <button
           type="button"
-          disabled={!enabled || busy || !mayWrite.value || !(asked > 0)}
+          disabled={!enabled || busy || !mayWrite.value || !(asked_um > 0)}
           data-testid="heat"
           onClick={() => void heat()}>
-          {busy ? 'Heating …' : `Move by ${asked} µm`}
+          {busy ? 'Heating …' : `Move by ${asked}`}
         </button>
       </div>
       <WhyNot />
@@ -213,11 +224,8 @@ export function HeatStep() {
           <Read
             rows={[
               ['Resistance', `${formatNumber(heated.cold_ohm)} Ω before, ${formatNumber(heated.hot_ohm)} Ω warm`],
-              ['Contraction, estimated', `${formatNumber(heated.moved_um, 3)} µm of ${heated.asked_um} µm`],
-              [
-                'Hot spot, estimated',
-                `${formatCelsius(heated.hottest_K, 3)} at most; limit ${formatCelsius(limit, 3)}`,
-              ],
+              ['Contraction, estimated', `${readIn('m', heated.moved_m, 3)} of ${readIn('m', heated.asked_m)}`],
+              ['Hot spot, estimated', `${readIn('K', heated.hottest_K)} at most; limit ${readIn('K', limit)}`],
             ]}
           />
           <p class="soft">{hotSpotText(hotSpotMargin_K.value)}</p>
@@ -231,10 +239,15 @@ export function HeatStep() {
           disabled={!heated}
           data-testid="guide-heat-done"
           onClick={() =>
-            found(
-              'heat',
-              `Asked ${heated!.asked_um} µm, estimated ${formatNumber(heated!.moved_um, 3)} µm, hot spot up to ${formatCelsius(heated!.hottest_K, 3)}. You said that the wire moved.`,
-            )
+            found('heat', [
+              'Asked ',
+              amount('m', heated!.asked_m),
+              ', estimated ',
+              amount('m', heated!.moved_m, 3),
+              ', hot spot up to ',
+              amount('K', heated!.hottest_K),
+              '. You said that the wire moved.',
+            ])
           }>
           It moved
         </button>
@@ -245,24 +258,29 @@ export function HeatStep() {
 
 export function TuneStep() {
   const last = runs.value.find((run) => run.node === node.value);
-  const text = (value: number | null, factor: number, unit: string): string =>
-    value === null || value === undefined ? 'not reached' : `${formatNumber(factor * value, 3)} ${unit}`;
+  const said = (quantity: Quantity, value: number | null | undefined): Said[number] =>
+    value === null || value === undefined ? 'not reached' : amount(quantity, value, 3);
+  const text = (quantity: Quantity, value: number | null | undefined): string => saidText([said(quantity, value)]);
+  const overshoot = (run: Run): number | null =>
+    run.figures.overshoot_percent === null ? null : run.figures.overshoot_percent / 100;
+  const about = defaultGainsText(own.value);
   return (
     <>
       <p>
         Run a step test, try other gains, run it again: the runs are laid over each other. <code>host-sim tune</code>{' '}
         proposes gains for a wire.
       </p>
+      {about && <p>{about}</p>}
       {last ? (
         <Read
           rows={[
             [
               'Last step test',
-              `${new Date(last.at_ms).toLocaleTimeString('en-GB')}, ${last.amplitude_um} µm, ${columnOf(last.recording, 'setpoint').length} samples`,
+              `${new Date(last.at_ms).toLocaleTimeString('en-GB')}, ${readIn('m', last.amplitude_um * 1e-6)}, ${columnOf(last.recording, 'setpoint').length} samples`,
             ],
-            ['Rise', text(last.figures.rise_s, 1e3, 'ms')],
-            ['Settling', text(last.figures.settling_s, 1e3, 'ms')],
-            ['Overshoot', text(last.figures.overshoot_percent, 1, '%')],
+            ['Rise', text('response_s', last.figures.rise_s)],
+            ['Settling', text('response_s', last.figures.settling_s)],
+            ['Overshoot', text('share', overshoot(last))],
           ]}
         />
       ) : (
@@ -277,10 +295,13 @@ export function TuneStep() {
           disabled={!last}
           data-testid="guide-tune-done"
           onClick={() =>
-            found(
-              'tune',
-              `Last step: rise ${text(last!.figures.rise_s, 1e3, 'ms')}, overshoot ${text(last!.figures.overshoot_percent, 1, '%')}.`,
-            )
+            found('tune', [
+              'Last step: rise ',
+              said('response_s', last!.figures.rise_s),
+              ', overshoot ',
+              said('share', overshoot(last!)),
+              '.',
+            ])
           }>
           Good enough
         </button>

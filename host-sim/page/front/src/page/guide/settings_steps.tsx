@@ -1,12 +1,14 @@
 // The steps of the guide that heat nothing.
 
 import { formatNumber } from '../../numbers/format';
+import { type Quantity, quantityText } from '../../numbers/units';
 import { saveText } from '../../session/download';
 import { bridge, call, feed, mayWrite, node, nodes, own, scan, state } from '../../session/session';
-import { restore, store } from '../../session/tuning';
+import { named, restore, store } from '../../session/tuning';
+import { units } from '../../session/units';
 import { sayError } from '../../session/notices';
 import { type Check, cold_ohm, limitChecks, stroke_m } from './checks';
-import { found, Read } from './findings';
+import { amount, found, Read } from './findings';
 
 export function BusStep() {
   const info = nodes.value.find((one) => one.node === node.value);
@@ -49,6 +51,8 @@ const has = (name: string): boolean => typeof own.value[name] === 'number';
 
 export function WireStep() {
   const number = (name: string): number => Number(own.value[name] ?? NaN);
+  const text = (quantity: Quantity, value: number, digits = 4): string =>
+    known ? quantityText(quantity, value, units.value, digits) : 'not configured';
   const known = has('wire.length_m') && has('wire.diameter_m') && !state.value?.blocking.includes('not_configured');
   const load = async (input: HTMLInputElement): Promise<void> => {
     const file = input.files?.[0];
@@ -62,15 +66,11 @@ export function WireStep() {
       <p>The servo reckons with a certain wire. Compare it with the one that is mounted.</p>
       <Read
         rows={[
-          ['Length between the clamps', known ? `${formatNumber(1e3 * number('wire.length_m'))} mm` : 'not configured'],
-          ['Diameter', known ? `${formatNumber(1e6 * number('wire.diameter_m'))} µm` : 'not configured'],
-          [
-            'Nominal stroke',
-            known
-              ? `${formatNumber(100 * number('wire.nominal_stroke'))} %, ${formatNumber(1e6 * stroke_m(own.value))} µm`
-              : 'not configured',
-          ],
-          ['Resistance when cold, by these', known ? `${formatNumber(cold_ohm(own.value), 3)} Ω` : 'not configured'],
+          ['Length between the clamps', text('wire_m', number('wire.length_m'))],
+          ['Diameter', text('m', number('wire.diameter_m'))],
+          ['Nominal stroke', text('m', stroke_m(own.value))],
+          ['Nominal stroke, of the length', text('share', number('wire.nominal_stroke'))],
+          ['Resistance when cold, by these', text('ohm', cold_ohm(own.value), 3)],
         ]}
       />
       <p class="soft">
@@ -84,10 +84,13 @@ export function WireStep() {
           disabled={!known}
           data-testid="guide-wire-done"
           onClick={() =>
-            found(
-              'wire',
-              `Set for ${formatNumber(1e3 * number('wire.length_m'))} mm of ${formatNumber(1e6 * number('wire.diameter_m'))} µm wire. You said that this is the mounted one.`,
-            )
+            found('wire', [
+              'Set for ',
+              amount('wire_m', number('wire.length_m')),
+              ' of ',
+              amount('m', number('wire.diameter_m')),
+              ' wire. You said that this is the mounted one.',
+            ])
           }>
           This is my wire
         </button>
@@ -124,7 +127,7 @@ export function Checks({ checks }: { checks: Check[] }) {
 export function LimitsStep() {
   const { ring } = feed.value;
   const stress = ring.end > ring.first ? (ring.column('stress_Pa')?.at(ring.end - 1) ?? NaN) : NaN;
-  const checks = limitChecks(own.value, stress);
+  const checks = limitChecks(own.value, stress, units.value).map((check) => ({ ...check, text: named(check.text) }));
   const wrong = checks.filter((check) => check.ok === false).length;
   void state.value;
   return (

@@ -3,11 +3,12 @@
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { hotSpotText, shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
-import { formatCelsius, zero_degC_K } from '../../numbers/temperature';
+import { fromShown, scaleOf, type Shown, tidy, toShown, type Units, zero_degC_K } from '../../numbers/units';
 import type { State } from '../../protocol/bridge';
 import { sayError } from '../../session/notices';
 import { go } from '../../session/route';
 import { act, call, description, feed, hotSpotMargin_K, mayWrite, node, own, state } from '../../session/session';
+import { units } from '../../session/units';
 import { Why } from '../fields/why';
 import { allowed, driveNames } from '../state/drive';
 
@@ -99,10 +100,12 @@ function Readings() {
     const timer = setInterval(() => {
       const { ring } = feed.peek();
       for (const [signal] of readings) {
-        const shown = shownAs(signal);
+        const shown = shownAs(signal, units.peek());
         const value = ring.end > ring.first ? (ring.column(signal)?.at(ring.end - 1) ?? NaN) : NaN;
         const element = places.current[signal];
-        const text = formatNumber(shown.factor * value + shown.offset);
+        // Small numbers of SI have zeros enough.
+        const number = toShown(shown, value);
+        const text = formatNumber(number, Math.abs(number) < 1e-3 ? 3 : 4);
         if (element && element.textContent !== text) {
           element.textContent = text;
         }
@@ -129,7 +132,7 @@ function Readings() {
                 data-testid={`reading-${signal}`}>
                 –
               </span>
-              <small>{shownAs(signal).unit}</small>
+              <small>{shownAs(signal, units.value).unit}</small>
             </dd>
           </div>
         ))}
@@ -166,45 +169,51 @@ function Mode({ now }: { now: State }) {
   );
 }
 
+/** Of targets, as they are sent. */
 interface Bounds {
-  unit: string;
+  scale: Shown; ///< in which a person reads them
   low: number;
   high: number;
-  /** How a person reads it, where that is not in this unit. */
-  also?: (value: number) => string;
 }
 
-/** Of a range: as it is sent, and as it is read. */
-function boundsText({ unit, low, high, also }: Bounds): string {
-  const text = `${formatNumber(low, 5)} to ${formatNumber(high, 5)} ${unit}`;
-  return also ? `${text} (${also(low)} to ${also(high)})` : text;
+function boundsText({ scale, low, high }: Bounds): string {
+  const text = (value: number): string => formatNumber(toShown(scale, value), 5);
+  return `${text(low)} to ${text(high)} ${scale.unit}`.trimEnd();
+}
+
+/** A scale of numbers that are sent in another unit than that of SI, of `unit` times it. */
+function sentIn(unit: number, scale: Shown): Shown {
+  return { ...scale, factor: tidy(scale.factor * unit) };
 }
 
 const coolest_K = zero_degC_K + 20; // that the slider asks for: no wire is colder than the air
 
 /** What the limits of the servo allow to ask for. */
-function boundsOf(mode: number): Bounds | null {
+function boundsOf(mode: number, choice: Units): Bounds | null {
   const of = (name: string): number => Number(own.value[name] ?? NaN);
   switch (mode) {
     case 1:
     case 8: {
       const um = (strain: number): number => (of('axis.zero_strain') - strain) * of('wire.length_m') * 1e6;
-      return { unit: 'µm', low: Math.min(0, um(of('limits.max_strain'))), high: um(of('limits.min_strain')) };
+      return {
+        scale: sentIn(1e-6, scaleOf('m', choice)),
+        low: Math.min(0, um(of('limits.max_strain'))),
+        high: um(of('limits.min_strain')),
+      };
     }
     case 4:
     case 10:
-      return { unit: '0.1 %', low: 0, high: 1000 };
+      return { scale: sentIn(1e-3, scaleOf('share', choice)), low: 0, high: 1000 };
     case -1:
-      return { unit: 'A', low: 0, high: of('limits.current_A') };
+      return { scale: scaleOf('A', choice), low: 0, high: of('limits.current_A') };
     case -2:
-      return { unit: 'W', low: 0, high: of('limits.power_W') };
+      return { scale: scaleOf('W', choice), low: 0, high: of('limits.power_W') };
     case -3:
       // Of the wire's middle: its hottest spot is to stay below the limit.
       return {
-        unit: 'K',
+        scale: scaleOf('K', choice),
         low: coolest_K,
         high: of('limits.temperature_K') - hotSpotMargin_K.value,
-        also: formatCelsius,
       };
     default:
       return null;
@@ -215,15 +224,16 @@ const homing = 6; // mode of operation
 const pause_ms = 60; // between the targets of a slider that is moved
 
 function Target({ now }: { now: State }) {
-  const bounds = boundsOf(now.mode);
+  const bounds = boundsOf(now.mode, units.value);
   const [typed, setTyped] = useState<string | null>(null);
   const [dragged, setDragged] = useState<number | null>(null);
   const sent = useRef(0);
   // A number that is being typed is of this unit; it is not taken away by a mode that has the same.
+  const unit = bounds?.scale.unit;
   useLayoutEffect(() => {
     setTyped(null);
     setDragged(null);
-  }, [bounds?.unit, now.node]);
+  }, [unit, now.node]);
   if (now.mode === homing) {
     return (
       <button
@@ -238,7 +248,7 @@ function Target({ now }: { now: State }) {
   if (!bounds) {
     return (
       <p class="soft small-text" data-testid="no-target">
-        This mode takes no target. Profile position moves the wire by µm.
+        This mode takes no target. Profile position moves the wire.
       </p>
     );
   }
@@ -247,10 +257,9 @@ function Target({ now }: { now: State }) {
     call('target', { node: now.node, value }).catch((error) => sayError(error));
   };
   const slider = Number.isFinite(bounds.low) && bounds.high > bounds.low;
-  const number = typed === null ? NaN : Number(typed.replace(',', '.'));
+  const { scale } = bounds;
+  const number = typed === null || typed.trim() === '' ? NaN : fromShown(scale, Number(typed.replace(',', '.')));
   const step = slider ? 10 ** Math.floor(Math.log10((bounds.high - bounds.low) / 200)) : 1;
-  const asked = typed === null ? (dragged ?? now.target ?? NaN) : number;
-  const also = asked >= bounds.low ? bounds.also?.(asked) : undefined;
   const ready = mayWrite.value && now.drive === 'operation_enabled';
   return (
     // The slider may stand beside its steps, which Firefox takes for a reason not to submit.
@@ -267,7 +276,7 @@ function Target({ now }: { now: State }) {
       }}>
       <label class="field">
         <span>
-          Target <small>{bounds.unit}</small>
+          Target <small>{scale.unit}</small>
         </span>
         <span class="with-button">
           <input
@@ -275,7 +284,7 @@ function Target({ now }: { now: State }) {
             inputMode="decimal"
             data-testid="target"
             disabled={!ready}
-            value={typed ?? (dragged !== null ? formatPlain(dragged) : formatPlain(now.target))}
+            value={typed ?? formatPlain(scale, dragged ?? now.target)}
             aria-invalid={typed !== null && !Number.isFinite(number)}
             onInput={(event) => setTyped(event.currentTarget.value)}
           />
@@ -284,15 +293,11 @@ function Target({ now }: { now: State }) {
           </button>
         </span>
       </label>
-      {also && (
-        <span class="also" data-testid="target-also">
-          = {also}
-        </span>
-      )}
       {slider && (
         <input
           type="range"
-          aria-label={`Target in ${bounds.unit}`}
+          aria-label={scale.unit ? `Target in ${scale.unit}` : 'Target'}
+          aria-valuetext={`${formatPlain(scale, dragged ?? now.target)} ${scale.unit}`}
           data-testid="target-slider"
           disabled={!ready}
           min={bounds.low}
@@ -325,6 +330,6 @@ function Target({ now }: { now: State }) {
   );
 }
 
-function formatPlain(value: number | null): string {
-  return value === null ? '' : formatNumber(value, 6).replace('−', '-');
+function formatPlain(scale: Shown, value: number | null): string {
+  return value === null ? '' : formatNumber(toShown(scale, value), 6).replace('−', '-');
 }

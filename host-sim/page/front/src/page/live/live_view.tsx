@@ -12,6 +12,7 @@ import {
   state,
 } from '../../session/session';
 import { isNumber, saved } from '../../session/saved';
+import { units } from '../../session/units';
 import { Arrange } from './arrange';
 import { DriveCard } from './drive_card';
 import { FavouritesCard } from './favourites_card';
@@ -36,7 +37,7 @@ export function LiveView() {
       follows.value = liveGroup.following;
     });
   }, []);
-  const all = panels(state.value?.mode ?? 1, ownPanels.value, hotSpotMargin_K.value);
+  const all = panels(state.value?.mode ?? 1, ownPanels.value, hotSpotMargin_K.value, units.value);
   const shown = places(all).filter((place) => place.shown);
   return (
     <div class="live">

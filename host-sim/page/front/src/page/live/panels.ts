@@ -3,6 +3,7 @@
 import { signal } from '@preact/signals';
 import { hotSpotLabel, labelOf, plain, roleOf, shownAs, shownIn } from '../../live/display';
 import { controlled } from '../../live/feed';
+import type { Units } from '../../numbers/units';
 import type { SeriesSpec } from '../../plot/time_plot';
 import { isObject, read, saved } from '../../session/saved';
 
@@ -13,6 +14,7 @@ export interface TimePanel {
   unit?: string;
   series: SeriesSpec[];
   limits?: boolean; ///< shows which limits act
+  range?: [number, number]; ///< of the left axis, instead of one that fits
 }
 export interface LoopPanel {
   kind: 'loop';
@@ -40,126 +42,104 @@ export interface OwnPanel {
   right: string[];
 }
 
-function series(name: string, more: Partial<SeriesSpec> = {}): SeriesSpec {
-  const shown = shownAs(name);
-  return {
-    key: name,
-    label: labelOf(name),
-    role: roleOf(name),
-    factor: shown.factor,
-    offset: shown.offset,
-    smallest: shown.smallest,
-    ...more,
+type Made = (name: string, more?: Partial<SeriesSpec>) => SeriesSpec;
+
+/** Series with the scale of their signals. */
+function seriesIn(units: Units): Made {
+  return (name, more = {}) => {
+    const { factor, offset, smallest } = shownAs(name, units);
+    return { key: name, label: labelOf(name), role: roleOf(name), factor, offset, smallest, ...more };
   };
 }
 
-const percent = { factor: 100 };
+function timePanel(id: string, title: string, units: Units, series: SeriesSpec[], limits = false): TimePanel {
+  // The left axis has the unit of its last series: a band before it is of the same kind.
+  const left = series.filter((one) => one.axis !== 'right').at(-1)!;
+  return { kind: 'time', id, title, unit: shownAs(left.key, units).unit, series, ...(limits ? { limits } : {}) };
+}
 
-const fixed: Panel[] = [
-  {
-    kind: 'time',
-    id: 'strain',
-    title: 'Strain',
-    unit: '%',
-    series: [
-      { key: 'band', label: '±2σ', role: 'band', style: 'band', low: 'strain_low', high: 'strain_high', ...percent },
+function loopPanel(id: string, title: string, units: Units, x: string, y: string, xTitle: string): LoopPanel {
+  const across = shownAs(x, units);
+  const up = shownAs(y, units);
+  return {
+    kind: 'loop',
+    id,
+    title,
+    unit: up.unit,
+    x,
+    y,
+    xLabel: `${xTitle} in ${across.unit}`,
+    smallest: [loopSmallest[x]! * across.factor, loopSmallest[y]! * up.factor],
+  };
+}
+
+/** Shortest ranges of the axes of loops, in SI. */
+const loopSmallest: Record<string, number> = { resistance_ohm: 0.1, wire_temperature_K: 2, strain: 0.001 };
+
+function fixedPanels(units: Units): Panel[] {
+  const series = seriesIn(units);
+  const stack = { style: 'stack' } as const;
+  return [
+    timePanel('strain', 'Strain', units, [
+      series('strain', {
+        key: 'band',
+        label: '±2σ',
+        role: 'band',
+        style: 'band',
+        low: 'strain_low',
+        high: 'strain_high',
+      }),
       series('setpoint_strain', { style: 'steps' }),
       series('reference_strain', { style: 'dashed' }),
       series('strain', { width: 2 }),
-    ],
-  },
-  {
-    kind: 'time',
-    id: 'power',
-    title: 'Power',
-    unit: 'mW',
-    limits: true,
-    series: [
-      series('wanted_power_W', { style: 'dashed' }),
-      series('power_W'),
-      series('drive_current_A', { axis: 'right', unit: 'mA', label: 'current' }),
-    ],
-  },
-  {
-    kind: 'loop',
-    id: 'strain-resistance',
-    title: 'Strain over resistance',
-    unit: '%',
-    x: 'resistance_ohm',
-    y: 'strain',
-    xLabel: 'resistance in Ω',
-    smallest: [0.1, 0.1],
-  },
-  {
-    kind: 'loop',
-    id: 'strain-temperature',
-    title: 'Strain over temperature',
-    unit: '%',
-    x: 'wire_temperature_K',
-    y: 'strain',
-    xLabel: 'temperature in °C',
-    smallest: [2, 0.1],
-  },
-  {
-    kind: 'time',
-    id: 'temperature',
-    title: 'Temperature',
-    unit: '°C',
-    series: [series('estimated_ambient_K', { hidden: true }), series('hot_spot_K'), series('wire_temperature_K')],
-  },
-  {
-    kind: 'time',
-    id: 'resistance',
-    title: 'Resistance',
-    unit: 'Ω',
-    series: [series('resistance_ohm'), series('resistance_model_ohm', { style: 'dashed' })],
-  },
-  {
-    kind: 'time',
-    id: 'phases',
-    title: 'Phases',
-    series: [
-      { key: 'martensite', label: 'martensite', role: 'martensite', style: 'stack' },
-      { key: 'r_phase', label: 'R-phase', role: 'r_phase', style: 'stack' },
-      { key: 'austenite', label: 'austenite', role: 'austenite', style: 'stack' },
-    ],
-  },
-  {
-    kind: 'time',
-    id: 'current',
-    title: 'Current',
-    unit: 'mA',
-    limits: true,
-    series: [series('current_A'), series('drive_current_A', { style: 'dashed' })],
-  },
-  {
-    kind: 'time',
-    id: 'position',
-    title: 'Position',
-    unit: 'µm',
-    series: [series('position_m')],
-  },
-  { kind: 'time', id: 'stress', title: 'Stress', unit: 'MPa', series: [series('stress_Pa')] },
-];
+    ]),
+    timePanel(
+      'power',
+      'Power',
+      units,
+      [
+        series('wanted_power_W', { style: 'dashed' }),
+        series('power_W'),
+        series('drive_current_A', { axis: 'right', unit: shownAs('drive_current_A', units).unit, label: 'current' }),
+      ],
+      true,
+    ),
+    loopPanel('strain-resistance', 'Strain over resistance', units, 'resistance_ohm', 'strain', 'resistance'),
+    loopPanel('strain-temperature', 'Strain over temperature', units, 'wire_temperature_K', 'strain', 'temperature'),
+    timePanel('temperature', 'Temperature', units, [
+      series('estimated_ambient_K', { hidden: true }),
+      series('hot_spot_K'),
+      series('wire_temperature_K'),
+    ]),
+    timePanel('resistance', 'Resistance', units, [
+      series('resistance_ohm'),
+      series('resistance_model_ohm', { style: 'dashed' }),
+    ]),
+    {
+      ...timePanel('phases', 'Phases', units, [
+        series('martensite', stack),
+        series('r_phase', stack),
+        series('austenite', stack),
+      ]),
+      range: [0, shownAs('martensite', units).factor],
+    },
+    timePanel('current', 'Current', units, [series('current_A'), series('drive_current_A', { style: 'dashed' })], true),
+    timePanel('position', 'Position', units, [series('position_m')]),
+    timePanel('stress', 'Stress', units, [series('stress_Pa')]),
+  ];
+}
 
 /** Set-point less measured value, in the unit of the mode. */
-function errorPanel(mode: number): TimePanel {
+function errorPanel(mode: number, units: Units): TimePanel {
   const variable = controlled(mode) ?? 'position_m';
   const name = `error:${variable}`;
-  const shown = shownAs(name);
-  return {
-    kind: 'time',
-    id: 'error',
-    title: 'Error',
-    unit: shown.unit,
-    series: [
-      series(name, {
-        label: `set-point − ${plain(variable)}`,
-        role: 'error',
-        smallest: (shown.smallest ?? 0) / 10, // looked at more closely than the quantity itself
-      }),
-    ],
-  };
+  return timePanel('error', 'Error', units, [
+    seriesIn(units)(name, {
+      label: `set-point − ${plain(variable)}`,
+      role: 'error',
+      smallest: (shownAs(name, units).smallest ?? 0) / 10, // looked at more closely than the quantity itself
+    }),
+  ]);
 }
 
 /** With the margin of the hot spot in its label. */
@@ -171,18 +151,18 @@ function explained(panel: Panel, margin_K: number): Panel {
   return { ...panel, series: panel.series.map((one) => (one.key === 'hot_spot_K' ? { ...one, label } : one)) };
 }
 
-export function panels(mode: number, own: readonly OwnPanel[], hotSpotMargin_K: number): Panel[] {
-  const all = fixed.map((panel) => explained(panel, hotSpotMargin_K));
-  all.splice(2, 0, errorPanel(mode));
-  return [...all, ...own.map((one) => ownPanel(one, mode))];
+export function panels(mode: number, own: readonly OwnPanel[], hotSpotMargin_K: number, units: Units): Panel[] {
+  const all = fixedPanels(units).map((panel) => explained(panel, hotSpotMargin_K));
+  all.splice(2, 0, errorPanel(mode, units));
+  return [...all, ...own.map((one) => ownPanel(one, mode, units))];
 }
 
-function ownPanel(own: OwnPanel, mode: number): TimePanel {
-  const unit = own.left[0] ? shownIn(mode, own.left[0]).unit : '';
+function ownPanel(own: OwnPanel, mode: number, units: Units): TimePanel {
+  const unit = own.left[0] ? shownIn(mode, own.left[0], units).unit : '';
   const made = (name: string, n: number, axis: 'left' | 'right'): SeriesSpec => {
-    const shown = shownIn(mode, name);
+    const shown = shownIn(mode, name, units);
     const other = axis === 'right' || shown.unit !== unit ? { unit: shown.unit } : {};
-    return series(name, {
+    return seriesIn(units)(name, {
       label: plain(name),
       role: `other${(n % 8) + 1}` as SeriesSpec['role'],
       axis,

@@ -4,10 +4,11 @@ import { effect } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { plain, shownAs } from '../../live/display';
 import type { Feed } from '../../live/feed';
-import { celsius } from '../../numbers/temperature';
+import { toShown, type Units } from '../../numbers/units';
 import { type Flag, type Line, TimePlot } from '../../plot/time_plot';
 import { XYPlot } from '../../plot/xy_plot';
 import { description, feed, liveGroup, own } from '../../session/session';
+import { units } from '../../session/units';
 import { hiddenSeries, type LoopPanel, type Panel, type TimePanel } from './panels';
 
 const trail_s = 20;
@@ -17,8 +18,8 @@ export function PlotPanel({ panel, half }: { panel: Panel; half: boolean }) {
   const current = feed.value;
   useEffect(() => {
     const parent = place.current!;
-    return panel.kind === 'time' ? timePlot(parent, panel, current) : loopPlot(parent, panel, current);
-  }, [panel.id, signature(panel), current]);
+    return panel.kind === 'time' ? timePlot(parent, panel, current) : loopPlot(parent, panel, current, units.peek());
+  }, [panel.id, signature(panel), current, units.value]);
   return <div class={`panel${half ? ' half' : ''}`} ref={place} data-testid={`panel-${panel.id}`} />;
 }
 
@@ -42,6 +43,7 @@ function timePlot(parent: HTMLElement, panel: TimePanel, source: Feed): () => vo
         const hidden = known[`${panel.id}/${series.key}`] ?? series.hidden;
         return hidden === undefined ? series : { ...series, hidden };
       }),
+      ...(panel.range ? { range: panel.range } : {}),
       ...(panel.limits ? { flags: () => actingLimits(source) } : {}),
       onToggle: (key, hidden) => {
         hiddenSeries.value = { ...hiddenSeries.peek(), [`${panel.id}/${key}`]: hidden };
@@ -50,7 +52,7 @@ function timePlot(parent: HTMLElement, panel: TimePanel, source: Feed): () => vo
     source.ring,
   );
   const end = effect(() => {
-    plot.lines = limitLines(panel.id);
+    plot.lines = limitLines(panel.id, units.value);
     plot.changed();
   });
   return () => {
@@ -59,9 +61,9 @@ function timePlot(parent: HTMLElement, panel: TimePanel, source: Feed): () => vo
   };
 }
 
-function loopPlot(parent: HTMLElement, panel: LoopPanel, source: Feed): () => void {
-  const x = shownAs(panel.x);
-  const y = shownAs(panel.y);
+function loopPlot(parent: HTMLElement, panel: LoopPanel, source: Feed, choice: Units): () => void {
+  const x = shownAs(panel.x, choice);
+  const y = shownAs(panel.y, choice);
   const plot = new XYPlot(
     parent,
     liveGroup,
@@ -91,18 +93,20 @@ function actingLimits(source: Feed): Flag[] {
 }
 
 /** Limits of the servo across the plots that they bound. */
-function limitLines(id: string): Line[] {
-  const of = (name: string): number => Number(own.value[name] ?? NaN);
-  const line = (y: number, label: string): Line[] => (Number.isNaN(y) ? [] : [{ y, label, role: 'limit' }]);
+function limitLines(id: string, choice: Units): Line[] {
+  const line = (name: string, label = 'limit'): Line[] => {
+    const y = toShown(shownAs(name, choice), Number(own.value[name] ?? NaN));
+    return Number.isNaN(y) ? [] : [{ y, label, role: 'limit' }];
+  };
   switch (id) {
     case 'temperature':
-      return line(celsius(of('limits.temperature_K')), 'limit of the hot spot');
+      return line('limits.temperature_K', 'limit of the hot spot');
     case 'current':
-      return line(1e3 * of('limits.current_A'), 'limit');
+      return line('limits.current_A');
     case 'power':
-      return line(1e3 * of('limits.power_W'), 'limit');
+      return line('limits.power_W');
     case 'stress':
-      return line(1e-6 * of('limits.stress_Pa'), 'limit');
+      return line('limits.stress_Pa');
     default:
       return [];
   }

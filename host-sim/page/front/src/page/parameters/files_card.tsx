@@ -1,12 +1,13 @@
 // Settings as a file: dump, compare, restore; or as lines of `host-sim can set`.
 
 import { useState } from 'preact/hooks';
-import { bothTexts } from '../../parameters/values';
+import { readText } from '../../parameters/values';
 import type { Difference } from '../../protocol/bridge';
 import { saveText } from '../../session/download';
 import { sayError, sayFileError } from '../../session/notices';
 import { call, mayWrite, node } from '../../session/session';
-import { infos, restore } from '../../session/tuning';
+import { infos, nameOf, restore } from '../../session/tuning';
+import { units } from '../../session/units';
 
 interface Compared {
   name: string;
@@ -82,9 +83,9 @@ export function FilesCard() {
                   <tbody>
                     {compared.differences.map((one) => (
                       <tr key={one.name}>
-                        <td>{one.name}</td>
-                        <td>{bothTexts(infos.value.get(one.name), one.node)}</td>
-                        <td>{bothTexts(infos.value.get(one.name), one.file)}</td>
+                        <td>{nameOf(one.name)}</td>
+                        <td>{readText(infos.value.get(one.name), one.node, units.value)}</td>
+                        <td>{readText(infos.value.get(one.name), one.file, units.value)}</td>
                       </tr>
                     ))}
                   </tbody>

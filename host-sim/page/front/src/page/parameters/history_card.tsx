@@ -1,5 +1,6 @@
-import { bothTexts } from '../../parameters/values';
-import { history, historyVersion, infos } from '../../session/tuning';
+import { readText } from '../../parameters/values';
+import { history, historyVersion, infos, nameOf } from '../../session/tuning';
+import { units } from '../../session/units';
 
 const shown = 8;
 
@@ -20,10 +21,10 @@ export function HistoryCard() {
             </span>
             {entry.changes.slice(0, 4).map((change) => (
               <span key={change.name} class="change">
-                {change.name}
+                {nameOf(change.name)}
                 <br />
-                {bothTexts(infos.value.get(change.name), change.before)} →{' '}
-                <strong>{bothTexts(infos.value.get(change.name), change.after)}</strong>
+                {readText(infos.value.get(change.name), change.before, units.value)} →{' '}
+                <strong>{readText(infos.value.get(change.name), change.after, units.value)}</strong>
               </span>
             ))}
             {entry.changes.length > 4 && <span class="soft">and {entry.changes.length - 4} more</span>}

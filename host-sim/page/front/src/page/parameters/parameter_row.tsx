@@ -3,10 +3,21 @@
 import { useState } from 'preact/hooks';
 import { gainText } from '../../parameters/gains';
 import { isChanged } from '../../parameters/tree';
-import { alsoText, bothTexts, parseValue, rangeText, unitText, valueText } from '../../parameters/values';
-import type { ParameterInfo, Value } from '../../protocol/bridge';
+import { editText, rangeText, readText, unitOf, unitText } from '../../parameters/values';
+import type { ParameterInfo } from '../../protocol/bridge';
 import { mayWrite, own, state } from '../../session/session';
-import { draft, drafted, drafts, favourites, toggleFavourite, tryDrafts, writeDrafts } from '../../session/tuning';
+import {
+  draft,
+  drafted,
+  draftText,
+  favourites,
+  named,
+  nameOf,
+  toggleFavourite,
+  tryDrafts,
+  writeDrafts,
+} from '../../session/tuning';
+import { units } from '../../session/units';
 import { Why } from '../fields/why';
 
 interface RowProps {
@@ -18,7 +29,9 @@ interface RowProps {
 export function ParameterRow({ info, compact = false, explained = !compact }: RowProps) {
   const [open, setOpen] = useState(explained);
   const value = own.value[info.name];
-  const typed = drafts.value[info.name];
+  const typed = draftText(info);
+  const name = nameOf(info.name);
+  const { unit } = unitOf(info, units.value);
   const refused = drafted.value.refused[info.name];
   const differs = info.name in drafted.value.values;
   const changed = isChanged(info, value);
@@ -26,8 +39,7 @@ export function ParameterRow({ info, compact = false, explained = !compact }: Ro
   const id = `value-${compact ? 'f-' : ''}${info.name}`;
   const running = state.value?.drive === 'operation_enabled';
   const locked = !mayWrite.value || (info.change === 'not enabled' && running);
-  const also = alsoText(info, typed === undefined ? value : typedValue(info, typed));
-  const note = gainText(info.name, { ...own.value, ...drafted.value.values });
+  const note = named(gainText(info.name, { ...own.value, ...drafted.value.values }));
   return (
     <div
       class={`parameter${differs ? ' drafted' : ''}${compact ? ' compact' : ''}`}
@@ -38,16 +50,19 @@ export function ParameterRow({ info, compact = false, explained = !compact }: Ro
           class="star"
           aria-pressed={star}
           data-testid={`star-${info.name}`}
-          aria-label={`${info.name}: favourite`}
+          aria-label={`${name}: favourite`}
           onClick={() => toggleFavourite(info.name)}>
           {star ? '★' : '☆'}
         </button>
-        <label for={id} title={`${info.name}: ${info.meaning}`}>
-          {compact ? shortName(info.name) : info.name.slice(info.name.lastIndexOf('.') + 1)}
+        <label for={id} title={`${name}: ${named(info.meaning)}`}>
+          {compact ? shortName(name, unit) : name.slice(name.lastIndexOf('.') + 1)}
         </label>
-        {note && compact && <Why about={info.name} open={open} set={setOpen} testid={`why-${info.name}`} />}
+        {note && compact && <Why about={name} open={open} set={setOpen} testid={`why-${info.name}`} />}
         {changed && (
-          <span class="mark" title={`default: ${bothTexts(info, info.default)}`} data-testid={`changed-${info.name}`}>
+          <span
+            class="mark"
+            title={`default: ${readText(info, info.default, units.value)}`}
+            data-testid={`changed-${info.name}`}>
             changed
           </span>
         )}
@@ -58,20 +73,23 @@ export function ParameterRow({ info, compact = false, explained = !compact }: Ro
         )}
       </div>
       <div class="parameter-value">
-        <Editor info={info} id={id} text={typed ?? valueText(value)} disabled={locked} refused={refused} also={also} />
-        <span class="unit">{unitText(info.unit)}</span>
-        {also && (
-          <span class="also" id={`${id}-also`} data-testid={`also-${info.name}`}>
-            = {also}
-          </span>
-        )}
+        <Editor
+          info={info}
+          id={id}
+          text={typed ?? editText(info, value, units.value)}
+          disabled={locked}
+          refused={refused}
+        />
+        <span class="unit" data-testid={`unit-${info.name}`}>
+          {unitText(unit)}
+        </span>
       </div>
       {!compact && (
         <div class="parameter-text">
-          <p>{info.meaning}</p>
+          <p>{named(info.meaning)}</p>
           <p class="soft">
-            {rangeText(info)}
-            {info.default !== null && <>; default {bothTexts(info, info.default)}</>}
+            {rangeText(info, units.value)}
+            {info.default !== null && <>; default {readText(info, info.default, units.value)}</>}
             {info.level && <>; level: {info.level}</>}
           </p>
         </div>
@@ -90,17 +108,10 @@ export function ParameterRow({ info, compact = false, explained = !compact }: Ro
   );
 }
 
-function typedValue(info: ParameterInfo, text: string): Value | null {
-  const parsed = parseValue(info, text);
-  return 'value' in parsed ? parsed.value : null;
-}
-
 /** Without the unit, which stands behind the value. */
-function shortName(name: string): string {
-  return name
-    .replace(/_(A|V|N|K|W|s|m|Pa|ohm|1_s|W_K|W_ohm|W_N)$/, '')
-    .replace('.', ': ')
-    .replaceAll('_', ' ');
+function shortName(name: string, unit: string): string {
+  const bare = unit && name.endsWith(`_${unit}`) ? name.slice(0, -unit.length - 1) : name;
+  return bare.replace('.', ': ').replaceAll('_', ' ');
 }
 
 const changeTitle = {
@@ -115,10 +126,9 @@ interface EditorProps {
   text: string;
   disabled: boolean;
   refused: string | undefined;
-  also: string;
 }
 
-function Editor({ info, id, text, disabled, refused, also }: EditorProps) {
+function Editor({ info, id, text, disabled, refused }: EditorProps) {
   const choices = info.type === 'boolean' ? ['true', 'false'] : info.type === 'choice' ? (info.choices ?? []) : null;
   if (choices) {
     return (
@@ -146,7 +156,7 @@ function Editor({ info, id, text, disabled, refused, also }: EditorProps) {
       value={text}
       disabled={disabled}
       aria-invalid={refused !== undefined}
-      aria-describedby={refused !== undefined ? `${id}-why` : also ? `${id}-also` : undefined}
+      aria-describedby={refused !== undefined ? `${id}-why` : undefined}
       onInput={(event) => draft(info.name, event.currentTarget.value)}
       onKeyDown={(event) => {
         if (event.key === 'Enter') {

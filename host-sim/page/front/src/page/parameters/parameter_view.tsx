@@ -2,7 +2,7 @@ import { signal } from '@preact/signals';
 import { countOf, find, type Group, isChanged, treeOf } from '../../parameters/tree';
 import type { ParameterInfo } from '../../protocol/bridge';
 import { description, own } from '../../session/session';
-import { drafted, favourites, trySeconds } from '../../session/tuning';
+import { drafted, favourites, nameOf, trySeconds } from '../../session/tuning';
 import { isStrings, saved } from '../../session/saved';
 import { EditBar } from './edit_bar';
 import { FilesCard } from './files_card';
@@ -27,7 +27,7 @@ export function ParameterView() {
     return <p class="soft pad">The parameters have not been read yet.</p>;
   }
   const filtered = search.value.trim() !== '' || only.value !== 'all';
-  const found = find(all, { text: search.value, only: chosen(only.value) });
+  const found = find(all, { text: search.value, shown: (info) => nameOf(info.name), only: chosen(only.value) });
   return (
     <div class="two-columns">
       <section aria-label="Parameters">

@@ -1,6 +1,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { hotSpotText, plain, shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
+import { toShown } from '../../numbers/units';
 import type { State } from '../../protocol/bridge';
 import {
   act,
@@ -14,6 +15,8 @@ import {
   scan,
   state,
 } from '../../session/session';
+import { named } from '../../session/tuning';
+import { units } from '../../session/units';
 import { allowed, driveNames } from './drive';
 import { Machine } from './machine';
 
@@ -157,8 +160,8 @@ function Fault({ name, tags, open: openFirst = false }: { name: string; tags: st
           {info?.code} {info?.class}
         </span>
       </button>
-      {(!open || explained === null) && <p>{info?.text}</p>}
-      {open && explained !== null && <pre class="explained">{explained}</pre>}
+      {(!open || explained === null) && <p>{named(info?.text ?? '')}</p>}
+      {open && explained !== null && <pre class="explained">{named(explained)}</pre>}
     </article>
   );
 }
@@ -170,12 +173,12 @@ function FreezeFrame({ values, cause }: { values: Record<string, number | null>;
       <p class="soft">The last values that were read before {cause || 'the first cause'} was seen.</p>
       <dl class="frame">
         {Object.entries(values).map(([name, value]) => {
-          const shown = shownAs(name);
+          const shown = shownAs(name, units.value);
           return (
             <div key={name}>
               <dt title={name}>{plain(name)}</dt>
               <dd>
-                {value === null ? '–' : formatNumber(shown.factor * value + shown.offset)} <small>{shown.unit}</small>
+                {value === null ? '–' : formatNumber(toShown(shown, value))} <small>{shown.unit}</small>
               </dd>
             </div>
           );

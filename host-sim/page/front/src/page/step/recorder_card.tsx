@@ -2,16 +2,17 @@
 
 import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
-import { plain, roleOf, type Shown, shownIn } from '../../live/display';
+import { plain, roleOf, shownIn } from '../../live/display';
 import { ArraySamples } from '../../numbers/columns';
-import { formatNumber } from '../../numbers/format';
+import { fromShown, isUnits, quantityText, type Shown, toShown, tidy, type Units } from '../../numbers/units';
 import { PlotGroup } from '../../plot/group';
 import { TimePlot } from '../../plot/time_plot';
 import type { Recording } from '../../protocol/bridge';
 import { sayError, sentence } from '../../session/notices';
 import { isNumber, isString, isStrings, saved } from '../../session/saved';
 import { bridge, call, description, link, node, readOnly, state } from '../../session/session';
-import { SignalField } from '../fields/number_field';
+import { units } from '../../session/units';
+import { inSeconds, NumberField, SignalField } from '../fields/number_field';
 import { column } from './runs';
 import { SaveButtons } from './save_buttons';
 
@@ -26,17 +27,40 @@ const seconds = saved<number>('record_s', 2, isNumber);
 const before = saved<number>('record_before_s', 0.2, isNumber);
 const triggerSignal = saved<string>('trigger', '', isString);
 const triggerSign = saved<string>('trigger_sign', '>', isString);
+/** The level as it was typed, and the units in which it was. */
 const triggerValue = saved<number>('trigger_value', 0, isNumber);
+const triggerUnits = saved<Units>('trigger_units', 'bench', isUnits);
 /** Set-points are in the unit of the mode that there was. */
 const recording = signal<{ recording: Recording; mode: number } | null>(null);
 const waiting = signal(false);
 
-const triggerUnit = (): Shown => shownIn(state.value?.mode ?? 0, triggerSignal.value);
+const triggerScale = (choice: Units): Shown => shownIn(state.value?.mode ?? 0, triggerSignal.value, choice);
 
 /** The bridge takes SI units, the person those of the plots. */
+function triggerLevel_SI(): number {
+  return fromShown(triggerScale(triggerUnits.value), triggerValue.value);
+}
+
 function triggerText(): string {
-  const { factor, offset } = triggerUnit();
-  return `${triggerSignal.value}${triggerSign.value}${Number(((triggerValue.value - offset) / factor).toPrecision(9))}`;
+  return `${triggerSignal.value}${triggerSign.value}${triggerLevel_SI()}`;
+}
+
+function TriggerLevel() {
+  const scale = triggerScale(units.value);
+  const value = triggerUnits.value === units.value ? triggerValue.value : tidy(toShown(scale, triggerLevel_SI()));
+  return (
+    <NumberField
+      key={units.value}
+      title="Level"
+      unit={scale.unit}
+      value={value}
+      testid="trigger-value"
+      set={(typed) => {
+        triggerValue.value = typed;
+        triggerUnits.value = units.value;
+      }}
+    />
+  );
 }
 
 async function record(): Promise<void> {
@@ -85,7 +109,7 @@ export function RecorderCard() {
         ))}
       </div>
       <div class="bar wrap ends">
-        <SignalField title="Duration" unit="s" number={seconds} testid="record-seconds" />
+        <SignalField title="Duration" scale={inSeconds} number={seconds} testid="record-seconds" />
         <label class="field narrow">
           <span>Trigger</span>
           <select
@@ -115,8 +139,8 @@ export function RecorderCard() {
                 <option value="<">below</option>
               </select>
             </label>
-            <SignalField title="Level" unit={triggerUnit().unit} number={triggerValue} testid="trigger-value" />
-            <SignalField title="Before it" unit="s" number={before} testid="record-before" />
+            <TriggerLevel />
+            <SignalField title="Before it" scale={inSeconds} number={before} testid="record-before" />
           </>
         )}
         <button
@@ -137,6 +161,7 @@ export function RecorderCard() {
 
 function Recorded({ recording: shown, mode }: { recording: Recording; mode: number }) {
   const place = useRef<HTMLDivElement>(null);
+  const choice = units.value;
   useEffect(() => {
     const times = shown.rows.map((_, row) => row * shown.period_s);
     const samples = new ArraySamples(
@@ -145,9 +170,10 @@ function Recorded({ recording: shown, mode }: { recording: Recording; mode: numb
     );
     const extent: [number, number] = [0, Math.max(shown.period_s, times.at(-1) ?? 0)];
     const group = new PlotGroup({ x: 'seconds', extent: () => extent });
-    const units = [...new Set(shown.signals.map((name) => shownIn(mode, name).unit))];
-    const plots = units.map((unit, n) => {
-      const names = shown.signals.filter((name) => shownIn(mode, name).unit === unit);
+    const scales = new Map(shown.signals.map((name) => [name, shownIn(mode, name, choice)]));
+    const all = [...new Set(shown.signals.map((name) => scales.get(name)!.unit))];
+    const plots = all.map((unit, n) => {
+      const names = shown.signals.filter((name) => scales.get(name)!.unit === unit);
       return new TimePlot(
         place.current!,
         group,
@@ -156,12 +182,12 @@ function Recorded({ recording: shown, mode }: { recording: Recording; mode: numb
           title: sentence(names.map(plain).join(', ')),
           unit,
           height: 130,
-          ...(n === units.length - 1 ? { xLabel: 'time in s' } : {}),
+          ...(n === all.length - 1 ? { xLabel: 'time in s' } : {}),
           series: names.map((name, k) => ({
             key: name,
             label: plain(name),
             role: roleOf(name, k),
-            ...shownIn(mode, name),
+            ...scales.get(name)!,
             unit: '',
           })),
         },
@@ -169,12 +195,12 @@ function Recorded({ recording: shown, mode }: { recording: Recording; mode: numb
       );
     });
     return () => plots.forEach((plot) => plot.destroy());
-  }, [shown]);
+  }, [shown, choice]);
   return (
     <div data-testid="recorded">
       <div class="bar">
         <span>
-          {shown.rows.length} rows, one each {formatNumber(1e3 * shown.period_s)} ms
+          {shown.rows.length} rows, one each {quantityText('response_s', shown.period_s, choice)}
         </span>
         <span class="spring" />
         <SaveButtons recording={shown} />

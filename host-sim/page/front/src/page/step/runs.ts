@@ -3,9 +3,8 @@
 import { signal } from '@preact/signals';
 import { ArraySamples } from '../../numbers/columns';
 import { isChanged, sameValue } from '../../parameters/tree';
-import type { Recording, StepFigures, Value } from '../../protocol/bridge';
+import type { ParameterInfo, Recording, StepFigures, Value } from '../../protocol/bridge';
 import { isObject, saved } from '../../session/saved';
-import { infos } from '../../session/tuning';
 
 export interface Run {
   id: string;
@@ -109,13 +108,13 @@ export function overlay(shown: readonly Run[]): ArraySamples {
 }
 
 /** The gains in which runs differ, or that are not the default where there is one run only. */
-export function tellingGains(all: readonly Run[]): string[] {
+export function tellingGains(all: readonly Run[], known: ReadonlyMap<string, ParameterInfo>): string[] {
   const names = [...new Set(all.flatMap((run) => Object.keys(run.gains)))];
   if (all.length > 1) {
     return names.filter((name) => all.some((run) => !sameValue(run.gains[name], all[0]!.gains[name])));
   }
   return names.filter((name) => {
-    const info = infos.value.get(name);
+    const info = known.get(name);
     return info?.level === 'tune' && isChanged(info, all[0]?.gains[name]);
   });
 }

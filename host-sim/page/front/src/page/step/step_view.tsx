@@ -2,8 +2,8 @@ import { signal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { shownAs } from '../../live/display';
 import { formatNumber } from '../../numbers/format';
-import { zero_degC_K } from '../../numbers/temperature';
-import { valueText } from '../../parameters/values';
+import { type Quantity, scaleOf, type Shown, tidy, toShown } from '../../numbers/units';
+import { readText } from '../../parameters/values';
 import { PlotGroup } from '../../plot/group';
 import { otherRole, theme } from '../../plot/theme';
 import { type SeriesSpec, TimePlot } from '../../plot/time_plot';
@@ -11,7 +11,9 @@ import type { Recording, StepFigures, Value } from '../../protocol/bridge';
 import { say, sayError } from '../../session/notices';
 import { isNumber, saved } from '../../session/saved';
 import { bridge, call, mayWrite, node, state } from '../../session/session';
-import { SignalField } from '../fields/number_field';
+import { infos, nameOf } from '../../session/tuning';
+import { units } from '../../session/units';
+import { inSeconds, SignalField } from '../fields/number_field';
 import { FavouritesCard } from '../live/favourites_card';
 import { RecorderCard } from './recorder_card';
 import { addRun, overlay, removeRun, type Run, runs, showRun, tellingGains } from './runs';
@@ -35,6 +37,12 @@ export function StepView() {
       </aside>
     </div>
   );
+}
+
+/** The scale of ways that are sent and kept in µm. */
+function ofMicrometres(): Shown {
+  const scale = scaleOf('m', units.value);
+  return { ...scale, factor: tidy(1e-6 * scale.factor) };
 }
 
 async function run(): Promise<void> {
@@ -77,8 +85,8 @@ function Form() {
         the test, and heated.
       </p>
       <div class="bar wrap ends">
-        <SignalField title="Amplitude" unit="µm" number={amplitude} testid="step-amplitude" />
-        <SignalField title="Time of each step" unit="s" number={seconds} testid="step-seconds" />
+        <SignalField title="Amplitude" scale={ofMicrometres()} number={amplitude} testid="step-amplitude" />
+        <SignalField title="Time of each step" scale={inSeconds} number={seconds} testid="step-seconds" />
         <button
           type="submit"
           class="big primary"
@@ -112,7 +120,8 @@ const pictures = [
 function Overlay() {
   const place = useRef<HTMLDivElement>(null);
   const shown = runs.value.filter((run) => run.shown);
-  const key = shown.map((run) => run.id).join();
+  const choice = units.value;
+  const key = shown.map((run) => run.id).join() + choice;
   useEffect(() => {
     if (shown.length === 0) {
       return undefined;
@@ -121,7 +130,7 @@ function Overlay() {
     const extent: [number, number] = [samples.x(0), samples.x(samples.end - 1)];
     const group = new PlotGroup({ x: 'seconds', extent: () => extent });
     const plots = pictures.map(({ name, title, height }, n) => {
-      const { unit, ...scale } = shownAs(name);
+      const { unit, ...scale } = shownAs(name, choice);
       const lines: SeriesSpec[] = shown.map((run) => ({
         key: `${run.id}/${name}`,
         label: `run ${numberOf(run)}`,
@@ -164,14 +173,62 @@ function Overlay() {
   return <div class="card plots" ref={place} data-testid="step-plots" />;
 }
 
+const figures: { title: string; kind: Quantity; of(figures: StepFigures): number | null }[] = [
+  { title: 'Rise', kind: 'response_s', of: ({ rise_s }) => rise_s },
+  { title: 'Settling', kind: 'response_s', of: ({ settling_s }) => settling_s },
+  { title: 'Overshoot', kind: 'share', of: ({ overshoot_percent }) => share(overshoot_percent) },
+  { title: 'Error', kind: 'share', of: ({ error_percent }) => share(error_percent) },
+  { title: 'Wire at most', kind: 'K', of: ({ peak_K }) => peak_K },
+];
+
+function share(percent: number | null): number | null {
+  return typeof percent === 'number' ? percent / 100 : null;
+}
+
+/** The group above the name. */
+function GainName({ name }: { name: string }) {
+  const dot = name.lastIndexOf('.') + 1;
+  return (
+    <>
+      <span class="soft">{name.slice(0, dot)}</span>
+      <br />
+      {name.slice(dot)}
+    </>
+  );
+}
+
+/** What the columns of gains are. */
+function gainsText(shown: readonly Run[], gains: readonly string[]): string {
+  if (shown.length > 1) {
+    return gains.length > 0
+      ? 'The columns on the right are the gains and limits in which the shown runs differ. Each file has all of them.'
+      : 'All shown runs had the same gains and limits. Each file has them.';
+  }
+  if (shown.length === 0) {
+    return 'No run is shown.';
+  }
+  return gains.length > 0
+    ? 'The columns on the right are the gains of the shown run that are not the default. Each file has all of them.'
+    : 'The shown run had the default gains. Each file has them.';
+}
+
 function Table() {
   const all = runs.value;
   if (all.length === 0) {
     return null;
   }
-  const gains = tellingGains(all);
-  const number = (value: number | null | undefined, factor = 1, offset = 0): string =>
-    typeof value === 'number' ? formatNumber(factor * value + offset, 3) : 'never';
+  const shown = all.filter((run) => run.shown);
+  const gains = tellingGains(shown, infos.value);
+  const choice = units.value;
+  const columns = figures.map(({ title, kind, of }) => {
+    const scale = scaleOf(kind, choice);
+    const text = (run: Run): string => {
+      const value = of(run.figures);
+      return typeof value === 'number' ? formatNumber(toShown(scale, value), 3) : 'never';
+    };
+    return { title, unit: scale.unit, text };
+  });
+  const way = ofMicrometres();
   return (
     <section class="card">
       <div class="scroll-x">
@@ -181,26 +238,17 @@ function Table() {
               <th>Run</th>
               <th>At</th>
               <th>
-                Step<small>µm</small>
+                Step<small>{way.unit}</small>
               </th>
-              <th>
-                Rise<small>ms</small>
-              </th>
-              <th>
-                Settling<small>ms</small>
-              </th>
-              <th>
-                Overshoot<small>%</small>
-              </th>
-              <th>
-                Error<small>%</small>
-              </th>
-              <th>
-                Wire at most<small>°C</small>
-              </th>
+              {columns.map(({ title, unit }) => (
+                <th key={title}>
+                  {title}
+                  {unit && <small>{unit}</small>}
+                </th>
+              ))}
               {gains.map((name) => (
-                <th key={name} title={name}>
-                  {name.slice(name.lastIndexOf('.') + 1)}
+                <th key={name} data-testid={`gain-${name}`}>
+                  <GainName name={nameOf(name)} />
                 </th>
               ))}
               <th>
@@ -228,14 +276,12 @@ function Table() {
                   </button>
                 </td>
                 <td class="soft">{new Date(run.at_ms).toLocaleTimeString('en-GB')}</td>
-                <td>{formatNumber(run.amplitude_um)}</td>
-                <td>{number(run.figures.rise_s, 1e3)}</td>
-                <td>{number(run.figures.settling_s, 1e3)}</td>
-                <td>{number(run.figures.overshoot_percent)}</td>
-                <td>{number(run.figures.error_percent)}</td>
-                <td>{number(run.figures.peak_K, 1, -zero_degC_K)}</td>
+                <td>{formatNumber(toShown(way, run.amplitude_um))}</td>
+                {columns.map(({ title, text }) => (
+                  <td key={title}>{text(run)}</td>
+                ))}
                 {gains.map((name) => (
-                  <td key={name}>{valueText(run.gains[name])}</td>
+                  <td key={name}>{readText(infos.value.get(name), run.gains[name], choice) || '–'}</td>
                 ))}
                 <td class="row-buttons">
                   <SaveButtons recording={run.recording} disabled={run.thinned} />
@@ -252,6 +298,9 @@ function Table() {
           </tbody>
         </table>
       </div>
+      <p class="soft small-text" data-testid="gains-of-runs">
+        {gainsText(shown, gains)}
+      </p>
     </section>
   );
 }
