@@ -2,10 +2,26 @@
 
 #include <filesystem>
 #include <fmt/format.h>
+#include <map>
 
 #include "model/files/error.hpp"
 
 namespace smaservo {
+
+void add_units_option(CLI::App& command, Units& units, const std::string& what) {
+  static const std::map<std::string, Units> names{{"bench", Units::bench}, {"si", Units::si}};
+  command
+      .add_option("--units", units,
+                  what + "; bench: degC, MPa, mA, mW, um, mm/s, %; si: K, Pa, A, W, m, m/s, 1")
+      ->transform(CLI::CheckedTransformer(names).description("{bench,si}"))
+      ->default_str(units == Units::bench ? "bench" : "si");
+}
+
+void add_report_options(CLI::App& command, std::string& report, Units& units,
+                        const std::string& help) {
+  command.add_option("--report", report, help);
+  add_units_option(command, units, "units of the report's panels");
+}
 
 void require(const char* option, const std::optional<double>& value, double low, double high) {
   if (value && !(*value >= low && *value <= high)) {
