@@ -2,18 +2,18 @@
 
 #include <filesystem>
 #include <fmt/format.h>
-#include <map>
 
 #include "model/files/error.hpp"
 
 namespace smaservo {
 
 void add_units_option(CLI::App& command, Units& units, const std::string& what) {
-  static const std::map<std::string, Units> names{{"bench", Units::bench}, {"si", Units::si}};
   command
-      .add_option("--units", units,
-                  what + "; bench: degC, MPa, mA, mW, um, mm/s, %; si: K, Pa, A, W, m, m/s, 1")
-      ->transform(CLI::CheckedTransformer(names).description("{bench,si}"))
+      .add_option_function<std::string>(
+          "--units",
+          [&units](const std::string& name) { units = name == "si" ? Units::si : Units::bench; },
+          what + ": bench (degC, MPa, mA, mW, um, mm/s, %) or si")
+      ->check(CLI::IsMember({"bench", "si"}))
       ->default_str(units == Units::bench ? "bench" : "si");
 }
 

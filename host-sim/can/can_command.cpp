@@ -559,6 +559,9 @@ void add_can_command(CLI::App& app) {
       ->check(seconds_of(0.01, 60));
   add_units_option(*can, common->units, "units of what is shown, and of a plain POSITION");
   can->add_flag("--quiet", common->quiet, "leaves out what commands say of what is so now");
+  can->footer(
+      "The gains of the position loop are the parameters strain.*, 0 by default: the inverse\n"
+      "of the model drives the wire. `host-sim tune` proposes gains.");
   add_network_commands(*can, common);
   add_object_commands(*can, common);
   add_watch_commands(*can, common);

@@ -485,7 +485,8 @@ TEST_F(CanClient, TrialsAreKeptOrTakenBack) {
   EXPECT_THAT(begin_trial(remote, changes, 30),
               testing::AllOf(HasSubstr("limits.current_mA: 400 -> 300\n"),
                              HasSubstr("strain.proportional_W: 0 -> 6\n"),
-                             HasSubstr("on trial for 30 s, until ")));
+                             HasSubstr("\ntuning.client_timeout_s: 5 -> 30, "),
+                             HasSubstr("\non trial for 30 s, until ")));
   EXPECT_EQ(values(), tried);
   EXPECT_THAT(refusal([&] { begin_trial(remote, changes, 30); }),
               testing::AllOf(HasSubstr("node 5 has a trial already, for "), HasSubstr("keep")));
@@ -497,6 +498,23 @@ TEST_F(CanClient, TrialsAreKeptOrTakenBack) {
   run(0.2);
   EXPECT_EQ(values(), before) << "it ends by itself";
   EXPECT_THAT(refusal([&] { keep_trial(remote); }), HasSubstr("no trial to keep"));
+  // It lasts although nobody asks the node for longer than its usual patience.
+  EXPECT_EQ(remote.number("tuning.client_timeout_s"), 5);
+  EXPECT_THAT(begin_trial(remote, changes, 8), HasSubstr("tuning.client_timeout_s: 5 -> 8"));
+  run(7.5);
+  EXPECT_EQ(values(), tried);
+  EXPECT_THAT(revert_trial(remote), HasSubstr("tuning.client_timeout_s: 8 -> 5"));
+  EXPECT_EQ(remote.number("tuning.client_timeout_s"), 5);
+  begin_trial(remote, changes, 6);
+  run(7);
+  EXPECT_EQ(values(), before);
+  EXPECT_THROW(keep_trial(remote), files::UserError);
+  EXPECT_EQ(remote.number("tuning.client_timeout_s"), 5)
+      << "also after a trial that ended by itself";
+  remote.set("tuning.client_timeout_s", "60");
+  EXPECT_THAT(begin_trial(remote, changes, 8), testing::Not(HasSubstr("client_timeout")));
+  EXPECT_THAT(revert_trial(remote), testing::Not(HasSubstr("client_timeout")));
+  EXPECT_EQ(remote.number("tuning.client_timeout_s"), 60) << "it was set by somebody else";
   begin_trial(remote, changes, 0.5);
   EXPECT_THAT(keep_trial(remote), HasSubstr("kept, 0."));
   run(1);

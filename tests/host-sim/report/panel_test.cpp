@@ -155,9 +155,9 @@ Panel loop(const report::Column& time, const report::Column& temperature,
               .y = {.label = "stress in MPa", .min = 0},
               .right = {.label = "share in %"},
               .follows = "time"};
-  panel.series = {{.x = temperature, .y = stress, .low = stress, .at = time},
-                  {.x = temperature, .y = time, .right = true},
-                  {.kind = Kind::spans, .x = temperature, .y = temperature}};
+  panel.series = {{.colour = "ink", .x = temperature, .y = stress, .low = stress, .at = time},
+                  {.colour = "ink", .x = temperature, .y = time, .right = true},
+                  {.colour = "fault", .kind = Kind::spans, .x = temperature, .y = temperature}};
   panel.rules = {{150, "", "ink"}, {90, "", "ink", true}};
   panel.notes = {{25, 100, "note"}};
   return panel;
@@ -227,6 +227,19 @@ TEST(Panels, BenchAndSiAreInverse) {
     EXPECT_EQ(panel.y.label, label);
     EXPECT_EQ(panel.y.min, 2.5);
   }
+}
+
+TEST(Panels, APageIsInTheChosenUnits) {
+  if (report::report_script().empty()) {
+    GTEST_SKIP() << "built without the page";
+  }
+  const Panel panel =
+      loop(report::column({0, 1}), report::column({20, 21}), report::column({1, 2}));
+  const std::string si = report::plots_html({panel}, Units::si);
+  EXPECT_THAT(si, HasSubstr("stress in Pa"));
+  EXPECT_THAT(si, HasSubstr("293.15"));
+  EXPECT_THAT(si, Not(HasSubstr("MPa")));
+  EXPECT_THAT(report::plots_html({panel}, Units::bench), HasSubstr("stress in MPa"));
 }
 
 TEST(Panels, APageHasDataOnlyWhereSomethingDrawsThem) {
