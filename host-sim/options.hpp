@@ -8,12 +8,20 @@
 #include <string>
 #include <vector>
 
+#include "host-sim/units.hpp"
+
 namespace smaservo {
 
 /// The help of --column, where a trace is read.
 inline constexpr const char* column_help =
     "QUANTITY=COLUMN:UNIT, as current=3:mA: this column by its name or number, in this unit; or "
     "NAME=COLUMN or NAME=COLUMN*FACTOR; repeatable";
+
+/// Adds --units, the units of `what`. Its default is the value of `units`.
+void add_units_option(CLI::App& command, Units& units, const std::string& what);
+/// Adds --report FILE, and --units of its panels.
+void add_report_options(CLI::App& command, std::string& report, Units& units,
+                        const std::string& help = "report as one HTML file");
 
 /// Checks that an option's value, if given, is in this range. Throws UserError.
 void require(const char* option, const std::optional<double>& value, double low, double high);

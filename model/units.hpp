@@ -34,6 +34,7 @@ inline constexpr auto time = std::to_array<Unit>({{"s", 1}, {"ms", 1e-3}, {"us",
 inline constexpr auto temperature = std::to_array<Unit>({{"K", 1}, {"degC", 1, zero_degC_K}});
 inline constexpr auto temperature_difference = std::to_array<Unit>({{"K", 1}});
 inline constexpr auto length = std::to_array<Unit>({{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}});
+inline constexpr auto velocity = std::to_array<Unit>({{"m_s", 1}, {"mm_s", 1e-3}, {"um_s", 1e-6}});
 inline constexpr auto current = std::to_array<Unit>({{"A", 1}, {"mA", 1e-3}});
 inline constexpr auto voltage = std::to_array<Unit>({{"V", 1}, {"mV", 1e-3}});
 inline constexpr auto resistance = std::to_array<Unit>({{"ohm", 1}, {"mohm", 1e-3}});

@@ -61,6 +61,7 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
                "run a simulated wire as fast as the machine can, not in real time");
   app.add_flag("!--no-real-time", options.real_time,
                "do not lock memory, do not ask for a real-time priority");
+  app.add_flag("--quiet", options.quiet, "leave out the line that says what runs");
   app.add_flag("--sandbox", options.sandboxed,
                "die at any system call that the loop is not allowed, to prove that it makes none");
   try {

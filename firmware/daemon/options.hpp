@@ -21,6 +21,7 @@ struct DaemonOptions {
   bool json = false;
   bool at_once = false;  ///< simulated time runs as fast as possible
   bool real_time = true;
+  bool quiet = false;      ///< no line about what runs when a run begins
   bool sandboxed = false;  ///< restricts the loop's system calls, see sandbox.hpp
 };
 

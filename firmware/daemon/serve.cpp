@@ -54,6 +54,25 @@ void report(const char* what, Try attempt) {
 
 }  // namespace
 
+void say_start(const DaemonOptions& options, const std::string& board, const std::string& bus,
+               const KeptSettings& kept) {
+  if (options.quiet) {
+    return;
+  }
+  const auto& geometry = kept.settings.wire.geometry;
+  const bool has_wire = !kept.faults.has(Fault::not_configured);
+  files::complain(
+      "smaservod",
+      fmt::format(
+          "board {}, {}, {}, loop {:.3g} ms; current off until {}", board,
+          bus.empty() ? "no bus"
+                      : fmt::format("bus {}, node-id {}", bus, kept.settings.identity.node_id),
+          has_wire ? fmt::format("wire {:.3g} um x {:.4g} mm", 1e6 * geometry.diameter_m,
+                                 1e3 * geometry.length_m)
+                   : "no wire configured",
+          1e3 * kept.settings.timing.period_s, bus.empty() ? "its program heats" : "enabled"));
+}
+
 LoopTiming timing_of(const Settings<double>& settings, double for_s) {
   const double period_s = settings.timing.period_s;
   const std::int64_t period_ns = std::llround(period_s * 1e9);
@@ -103,6 +122,7 @@ int serve_simulation(const DaemonOptions& options) {
   CommandSource& source = bus                        ? bus->command_source()
                           : scenario.program.empty() ? static_cast<CommandSource&>(demonstration)
                                                      : board;
+  say_start(options, options.board, options.bus, kept);
   return serve(service, board, source, timing_of(kept.settings, options.for_s), !options.at_once);
 }
 

@@ -26,6 +26,11 @@ int serve(Service& service, B& board, CommandSource& source, const LoopTiming& t
   return paced ? run(Pace<hal::MonotonicClock>(timing.period_ns)) : run(NoPace{});
 }
 
+/// Logs in one line what runs, unless the options say --quiet: board, bus (empty: none), node-id,
+/// wire, period, and that the current is off, until what. To be called before the loop begins.
+void say_start(const DaemonOptions& options, const std::string& board, const std::string& bus,
+               const KeptSettings& kept);
+
 LoopTiming timing_of(const Settings<double>& settings, double for_s);
 ServiceSetup service_setup(const DaemonOptions& options, const Settings<double>& settings);
 

@@ -260,6 +260,7 @@ int serve_board(const DaemonOptions& options) {
   // At this point the service has locked the folder, and nothing has been heated yet.
   keep_board(with.settings, file.text);
   if (!options.program.empty()) {
+    say_start(options, file.name, "", kept);
     Programmed programmed(bench::load_closed_loop(options.program).program);
     return serve(service, board, programmed, timing_of(kept.settings, options.for_s), true);
   }
@@ -274,6 +275,7 @@ int serve_board(const DaemonOptions& options) {
     bus->start();
   }
   CommandSource& source = bus ? bus->command_source() : nobody;
+  say_start(options, file.name, file.bus ? file.bus->interface : "", kept);
   return serve(service, board, source, timing_of(kept.settings, options.for_s), true);
 }
 

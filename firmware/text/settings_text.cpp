@@ -5,7 +5,7 @@
 #include <charconv>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <optional>
+#include <vector>
 
 namespace smaservo::text {
 namespace {
@@ -51,6 +51,38 @@ KeyParts key_parts(const Parameter<double>& row) {
   std::string_view name = path.substr(dot + 1);
   name.remove_suffix(suffix.empty() ? 0 : suffix.size() + 1);
   return {path.substr(0, dot), name};
+}
+
+std::optional<Unit> Quantity::unit_in(Kind kind, const Unit& plain) const {
+  if (unit.empty()) {
+    return plain;
+  }
+  std::string suffix(unit == "%" ? "percent" : unit);
+  std::ranges::replace(suffix, '/', '_');
+  const auto found = std::ranges::find(kind, suffix, &Unit::suffix);
+  return found == kind.end() ? std::nullopt : std::optional(*found);
+}
+
+std::optional<Quantity> quantity_of(std::string_view text) {
+  Quantity quantity{};
+  const char* const start = text.data();
+  const auto [end, error] = std::from_chars(start, start + text.size(), quantity.number);
+  if (error != std::errc{}) {
+    return std::nullopt;
+  }
+  const auto used = static_cast<std::size_t>(end - start);
+  quantity.unit = text.substr(std::min(text.find_first_not_of(' ', used), text.size()));
+  return quantity;
+}
+
+std::string suffixes_text(Kind kind) {
+  std::vector<std::string_view> suffixes;
+  for (const Unit& unit : kind) {
+    if (!unit.suffix.empty()) {
+      suffixes.push_back(unit.suffix);
+    }
+  }
+  return fmt::format("{}", fmt::join(suffixes, ", "));
 }
 
 std::string value_text(const Parameter<double>& row, Value value) {

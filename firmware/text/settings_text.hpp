@@ -1,6 +1,7 @@
 #pragma once
 // Parameters as text, as files write them.
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,6 +15,21 @@ struct KeyParts {
   std::string_view table, name;
 };
 KeyParts key_parts(const Parameter<double>& row);
+
+/// A number with or without a unit behind it: "120degC", "120 degC", "0.8mm", "4%", "3 mm/s".
+struct Quantity {
+  double number;
+  std::string_view unit;  ///< as the text has it; empty: none
+
+  /// The unit among those of a kind; nullopt if it is none of them. `plain` is that of a number
+  /// without a unit.
+  std::optional<Unit> unit_in(Kind kind, const Unit& plain) const;
+};
+/// nullopt if the text does not begin with a number.
+std::optional<Quantity> quantity_of(std::string_view text);
+
+/// The suffixes of a kind's units: "K, degC"
+std::string suffixes_text(Kind kind);
 
 /// Text of a value: a number in SI, the name of a choice, true or false.
 std::string value_text(const Parameter<double>& row, Value value);

@@ -25,15 +25,43 @@ constexpr std::array in_logs{Renamed{"wire_K", "wire_temperature_K"},
                              Renamed{"believed_ambient_K", "estimated_ambient_K"},
                              Renamed{"power_W", "wanted_power_W"}};
 
+constexpr std::array<std::string_view, 4> shares{"strain", "strain_sd", "martensite", "r_phase"};
+
+constexpr std::array<Kind, 9> dimensions{kind::velocity, kind::temperature, kind::length,
+                                         kind::stress,   kind::power,       kind::current,
+                                         kind::voltage,  kind::resistance,  kind::force};
+
+/// Whether a name has the suffix of SI's unit of this kind.
+constexpr bool is_of(std::string_view name, Kind kind) {
+  const std::string_view suffix = kind.front().suffix;
+  return name.size() > suffix.size() && name.ends_with(suffix) &&
+         name[name.size() - suffix.size() - 1] == '_';
+}
+
+constexpr Kind kind_of(std::string_view name) {
+  for (const Kind kind : dimensions) {
+    if (is_of(name, kind)) {
+      return kind;
+    }
+  }
+  return std::ranges::find(shares, name) != shares.end() ? Kind(kind::number) : Kind(kind::count);
+}
+
 }  // namespace
 
+Kind signal_kind(std::size_t row) {
+  return kind_of(signal_rows<double>.at(row).name);
+}
+
 std::size_t signal_row(const std::string& name) {
+  const std::string_view bare =
+      std::string_view(name).substr(name.starts_with(live_prefix) ? live_prefix.size() : 0);
   const auto& rows = signal_rows<double>;
-  const auto* const found = std::ranges::find(rows, name, &Signal<double>::name);
+  const auto* const found = std::ranges::find(rows, bare, &Signal<double>::name);
   if (found != rows.end()) {
     return static_cast<std::size_t>(found - rows.begin());
   }
-  if (const std::string_view now = renamed_signal(name); !now.empty()) {
+  if (const std::string_view now = renamed_signal(bare); !now.empty()) {
     throw files::UserError(fmt::format("{}: is now called {}", name, now));
   }
   std::vector<std::string> names;
@@ -42,7 +70,7 @@ std::size_t signal_row(const std::string& name) {
     names.emplace_back(row.name);
   }
   throw files::UserError(fmt::format("{}: no such signal{}; there are: {}", name,
-                                     files::did_you_mean(name, names), fmt::join(names, ", ")));
+                                     files::did_you_mean(bare, names), fmt::join(names, ", ")));
 }
 
 std::string_view renamed_signal(std::string_view former) {

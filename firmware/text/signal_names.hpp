@@ -5,11 +5,20 @@
 #include <string>
 #include <string_view>
 
+#include "model/units.hpp"
+
 namespace smaservo::text {
 
-/// The row in signal_rows. Throws UserError, which has the names that there are, or the new one
-/// where a signal was called like this before.
+/// What the names of the live values begin with on the bus.
+inline constexpr std::string_view live_prefix = "live.";
+
+/// The row in signal_rows, by its name with or without "live.". Throws UserError, which has the
+/// names that there are, or the new one where a signal was called like this before.
 std::size_t signal_row(const std::string& name);
+
+/// The units of a signal, SI's own first. Those of set-point and reference depend on the mode: here
+/// they have none.
+Kind signal_kind(std::size_t row);
 
 /// What a signal is called now that was called `former` on the bus; empty where none was. current_A
 /// and voltage_V are not among them: they are other signals today.

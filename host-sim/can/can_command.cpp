@@ -10,10 +10,13 @@
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/fault_reference.hpp"
 #include "firmware/text/settings_file.hpp"
+#include "firmware/text/settings_text.hpp"
 #include "hal/recording/trace_file.hpp"
 #include "host-sim/can/bus/network.hpp"
 #include "host-sim/can/bus/port_bus.hpp"
+#include "host-sim/can/outcome.hpp"
 #include "host-sim/can/settings.hpp"
+#include "host-sim/can/shown.hpp"
 #include "host-sim/can/status.hpp"
 #include "host-sim/can/step_test.hpp"
 #include "host-sim/can/watch.hpp"
@@ -30,6 +33,8 @@ struct Common {
   unsigned node = 1;
   std::optional<std::uint32_t> key;
   double timeout_s = 0.5;
+  Units units = Units::bench;
+  bool quiet = false;
 };
 
 /// The bus and the node that a run uses.
@@ -55,6 +60,19 @@ void print(const std::string& text) {
   std::fflush(stdout);
 }
 
+/// Says on the standard error output what a command has made so. The command has worked by then, so
+/// a failure to read for this does not make it fail.
+void say(const Common& common, const std::function<std::string()>& text) {
+  if (common.quiet) {
+    return;
+  }
+  try {
+    files::print(text(), stderr);
+  } catch (const files::UserError& error) {
+    files::complain("host-sim", error.what());
+  }
+}
+
 CLI::App* add(CLI::App& can, const char* name, const char* meaning,
               const std::function<void()>& run) {
   CLI::App* command = can.add_subcommand(name, meaning);
@@ -76,10 +94,10 @@ CLI::Validator seconds_of(double low, double high) {
 
 /// Adds a command that has no options of its own.
 void add_plain(CLI::App& can, const std::shared_ptr<Common>& common, const char* name,
-               const char* meaning, void (*run)(Remote&)) {
+               const char* meaning, void (*run)(Remote&, const Common&)) {
   add(can, name, meaning, [common, run] {
     Session session(*common);
-    run(session.remote());
+    run(session.remote(), *common);
   });
 }
 
@@ -117,13 +135,40 @@ void listen(const Common& common, double for_s) {
 
 // Objects.
 
-void get(Remote& remote, const std::vector<std::string>& names) {
+void get(Remote& remote, const std::vector<std::string>& names, Units units) {
   for (const std::string& name : names) {
-    const text::KnownObject object = text::find_object(name);
+    bool unitless = false;
+    text::find_quantity(name, unitless);
+    const text::KnownObject object = can::asked_object(name, units);
     const std::string value = text::value_text(object, remote.read(object));
     const std::string& called = object.name.empty() ? name : object.name;
-    files::print(files::printable(names.size() == 1 ? value : called + " = " + value) + "\n");
+    const bool alone = names.size() == 1 && !unitless;
+    files::print(files::printable(alone ? value : called + " = " + value) + "\n");
   }
+}
+
+/// The change of an object to a value that may have a unit behind it; the object is then in this
+/// unit.
+can::Change change_of(const std::string& name, const std::string& value) {
+  bool unitless = false;
+  text::KnownObject object = text::find_quantity(name, unitless);
+  if (!object.writable) {
+    throw files::UserError(fmt::format("{} cannot be written", text::title(object)));
+  }
+  const std::optional<text::Quantity> quantity =
+      object.kind.empty() ? std::nullopt : text::quantity_of(value);
+  if (quantity && quantity->unit.empty() && unitless) {
+    throw files::UserError(
+        fmt::format("{} = {}: needs a unit, in the name or behind the number: {}", name, value,
+                    text::suffixes_text(object.kind)));
+  }
+  const can::Bytes bytes = text::value_bytes(object, value);
+  const std::optional<Unit> unit =
+      quantity ? quantity->unit_in(object.kind, object.unit) : std::nullopt;
+  if (unit) {
+    object = text::in_unit(object, *unit);
+  }
+  return {object, bytes};
 }
 
 std::vector<can::Change> changes_of(const std::vector<std::string>& texts) {
@@ -131,17 +176,21 @@ std::vector<can::Change> changes_of(const std::vector<std::string>& texts) {
   const bool pair = texts.size() == 2 && texts[0].find('=') == std::string::npos;
   const std::vector<files::Override> settings =
       pair ? std::vector<files::Override>{{texts[0], texts[1]}} : text::parse_settings(texts);
+  changes.reserve(settings.size());
   for (const auto& [name, value] : settings) {
-    const text::KnownObject object = text::find_object(name);
-    if (!object.writable) {
-      throw files::UserError(fmt::format("{} cannot be written", text::title(object)));
-    }
-    changes.emplace_back(object, text::value_bytes(object, value));
+    changes.push_back(change_of(name, value));
   }
   return changes;
 }
 
-void dump(Remote& remote, const std::string& out) {
+void change(Remote& remote, const std::vector<can::Change>& changes, const Common& common) {
+  const std::vector<can::Bytes> before =
+      common.quiet ? std::vector<can::Bytes>() : can::values_before(remote, changes);
+  remote.change(changes);
+  say(common, [&] { return can::changed_text(changes, before); });
+}
+
+void dump(Remote& remote, const std::string& out, const Common& /*common*/) {
   files::OutputFile file(out);
   file.write(fmt::format("# Parameters of node {} on {}.\n\n", remote.node(),
                          files::printable(remote.bus().name())));
@@ -154,13 +203,14 @@ std::vector<can::Difference> differences(Remote& remote, const std::string& path
   return can::differences(can::file_settings(path, node), node);
 }
 
-void restore(Remote& remote, const std::string& path) {
+void restore(Remote& remote, const std::string& path, const Common& common) {
   const auto all = differences(remote, path);
   can::restore(remote, all);
+  say(common, [&] { return can::restored_text(all, common.units); });
   print(fmt::format("{} parameters changed\n", all.size()));
 }
 
-void diff(Remote& remote, const std::string& path) {
+void diff(Remote& remote, const std::string& path, const Common& /*common*/) {
   const auto all = differences(remote, path);
   print(can::differences_text(all));
   // As with diff(1), the exit status 1 means that there are differences.
@@ -191,7 +241,7 @@ std::vector<std::filesystem::path> earlier_runs(const std::string& folder) {
   return files;
 }
 
-void step(Remote& remote, const StepArguments& a) {
+void step(Remote& remote, const StepArguments& a, Units units) {
   files::prepare_folder("--runs", a.runs);
   const auto before = earlier_runs(a.runs);
   // Earlier runs are read before anything moves, so that an unreadable file stops the test early.
@@ -199,21 +249,23 @@ void step(Remote& remote, const StepArguments& a) {
   for (std::size_t i = 0; i < std::min<std::size_t>(before.size(), a.overlay); ++i) {
     runs.push_back(can::load_step(before[i].string()));
   }
+  const auto gains = can::read_gains(remote);
   runs.insert(runs.begin(), can::run_step(remote, a.plan));
+  runs.front().gains = gains;
   const unsigned number =
       before.empty() ? 1
                      : 1 + static_cast<unsigned>(std::strtoul(
                                before.front().stem().string().substr(5).c_str(), nullptr, 10));
   std::vector<std::string> names{fmt::format("step-{:04}", number)};
   files::OutputFile file((std::filesystem::path(a.runs) / (names[0] + ".csv")).string());
-  file.write(can::to_csv(runs[0].recording));
+  file.write(can::step_csv(runs[0]));
   file.commit();
   for (std::size_t i = 0; i + 1 < runs.size(); ++i) {
     names.push_back(before[i].stem().string());
   }
-  print(can::step_text(runs, names));
+  print(can::step_text(runs, names, units));
   if (!a.report.empty()) {
-    can::write_step_report(a.report, runs, names);
+    can::write_step_report(a.report, runs, names, units);
   }
 }
 
@@ -258,17 +310,44 @@ void add_network_commands(CLI::App& can, const std::shared_ptr<Common>& common) 
       ->add_option("--for", *listen_s, "duration, s; default: 1000000 s, 11 days")
       ->check(seconds_of(0, 1e6));
   add_plain(can, common, "info", "Prints identity, versions, states, loop and bus of a node.",
-            [](Remote& remote) { print(can::info_text(remote)); });
+            [](Remote& remote, const Common& c) { print(can::info_text(remote, c.units)); });
   add_plain(can, common, "faults",
             "Prints faults, their first cause, and what blocks or limits the output.",
-            [](Remote& remote) { print(can::faults_text(remote)); });
+            [](Remote& remote, const Common&) { print(can::faults_text(remote)); });
   add_plain(can, common, "changes",
             "Prints the last accepted and refused writes, the newest at the end.",
-            [](Remote& remote) { print(can::changes_text(remote)); });
+            [](Remote& remote, const Common&) { print(can::changes_text(remote)); });
   auto name = std::make_shared<std::string>();
   add(can, "explain", "Says what a fault means and what to check.", [=] {
     explain(common, *name);
   })->add_option("FAULT", *name, "name or code; default: the node's first cause");
+}
+
+void add_trial_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
+  auto values = std::make_shared<std::vector<std::string>>();
+  auto for_s = std::make_shared<double>(30);
+  CLI::App* attempt = add(
+      can, "try", "Puts parameters in force together, for a time: then they are as before.", [=] {
+        const std::vector<can::Change> changes = changes_of(*values);
+        Session session(*common);
+        std::string said = can::begin_trial(session.remote(), changes, *for_s);
+        say(*common, [&] { return said; });
+      });
+  attempt->add_option("NAME VALUE | NAME=VALUE", *values, "as for `set`; parameters only")
+      ->required();
+  attempt->add_option("--for", *for_s, "duration of the trial, s")
+      ->capture_default_str()
+      ->check(seconds_of(0.1, 3600));
+  add_plain(can, common, "keep", "Keeps what is on trial; `store` keeps it over a reset.",
+            [](Remote& remote, const Common& c) {
+              std::string said = can::keep_trial(remote);
+              say(c, [&] { return said; });
+            });
+  add_plain(can, common, "revert", "Takes back at once what is on trial.",
+            [](Remote& remote, const Common& c) {
+              std::string said = can::revert_trial(remote);
+              say(c, [&] { return said; });
+            });
 }
 
 void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
@@ -276,27 +355,30 @@ void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   add(can, "get", "Reads objects: parameters and live values by name, others by INDEX:SUB.",
       [=] {
         Session session(*common);
-        get(session.remote(), *names);
+        get(session.remote(), *names, common->units);
       })
-      ->add_option("NAME", *names, "such as strain.proportional_W, live.wire_temperature_K, 6041")
+      ->add_option("NAME", *names,
+                   "such as strain.proportional_W, limits.current_mA, wire_temperature_K, 6041")
       ->required();
   auto values = std::make_shared<std::vector<std::string>>();
   add(can, "set", "Writes objects; several parameters take effect together, or none does.",
       [=] {
         const std::vector<can::Change> changes = changes_of(*values);
         Session session(*common);
-        session.remote().change(changes);
+        change(session.remote(), changes, *common);
       })
       ->add_option("NAME VALUE | NAME=VALUE", *values,
-                   "an object and its value, as strain.proportional_W 0.5; any unit of its kind")
+                   "an object and its value in any unit of its kind: strain.proportional_W 0.5, "
+                   "limits.temperature=120degC; the gains of the position loop are strain.*")
       ->required();
+  add_trial_commands(can, common);
   const auto with_file = [&](const char* command, const char* meaning, const char* option,
-                             void (*run)(Remote&, const std::string&)) {
+                             void (*run)(Remote&, const std::string&, const Common&)) {
     auto file = std::make_shared<std::string>();
     add(can, command, meaning,
         [=] {
           Session session(*common);
-          run(session.remote(), *file);
+          run(session.remote(), *file, *common);
         })
         ->add_option(option, *file, "TOML, as `host-sim describe settings` gives it")
         ->required();
@@ -310,7 +392,10 @@ void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
             "FILE", diff);
   add_plain(can, common, "store",
             "Stores parameters and communication settings over a reset (1010h).",
-            [](Remote& remote) { remote.store(); });
+            [](Remote& remote, const Common& c) {
+              remote.store();
+              say(c, can::stored_text);
+            });
 }
 
 void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
@@ -321,16 +406,22 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
         if (*once) {
           plan->count = 1;
         }
+        plan->units = common->units;
         Session session(*common);
         const bool in_place = plan->count == 0 && isatty(STDOUT_FILENO) != 0;
-        can::watch(session.remote(), *plan, in_place, [=](const std::string& text) {
-          if (in_place) {
-            files::clear_terminal();
-          }
-          print(text);
-        });
+        can::watch(
+            session.remote(), *plan, in_place,
+            [=](const std::string& text) {
+              if (in_place) {
+                files::clear_terminal();
+              }
+              print(text);
+            },
+            [=](const std::string& line) { say(*common, [&] { return line; }); });
       });
-  watch->add_option("NAME", plan->names, "objects; default: a selection");
+  watch->add_option(
+      "NAME", plan->names,
+      "objects, as for `get`; without a unit in that of --units; default: a selection");
   watch->add_option("--period", plan->period_s, "time between rows, s")
       ->capture_default_str()
       ->check(seconds_of(0.01, 3600));
@@ -348,7 +439,9 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
         Session session(*common);
         record(session.remote(), *record_plan, *out, *patience_s);
       });
-  record_command->add_option("--signals", record_plan->signals, "up to 8 names, those of `live.`")
+  record_command
+      ->add_option("--signals", record_plan->signals,
+                   "up to 8 live values, with or without `live.`")
       ->delimiter(',');
   record_command->add_option("--seconds", record_plan->seconds, "duration, s")
       ->capture_default_str()
@@ -370,18 +463,36 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
 void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   add_plain(can, common, "start",
             "NMT: makes the node operational, so that it exchanges process data.",
-            [](Remote& remote) { remote.nmt(can::NmtCommand::start); });
+            [](Remote& remote, const Common& c) {
+              remote.nmt(can::NmtCommand::start);
+              say(c, [&] { return can::started_text(remote); });
+            });
   add_plain(can, common, "stop", "NMT: stops the node's communication except NMT and heartbeat.",
-            [](Remote& remote) { remote.nmt(can::NmtCommand::stop); });
-  add_plain(can, common, "reset", "NMT: restarts the node.",
-            [](Remote& remote) { remote.nmt(can::NmtCommand::reset_node); });
+            [](Remote& remote, const Common& c) {
+              remote.nmt(can::NmtCommand::stop);
+              say(c, [&] { return can::stopped_text(remote); });
+            });
+  add_plain(can, common, "reset", "NMT: restarts the node.", [](Remote& remote, const Common& c) {
+    remote.nmt(can::NmtCommand::reset_node);
+    say(c, [&] { return can::restarted_text(remote); });
+  });
   add_plain(can, common, "enable",
             "Enables the drive through the states of CiA 402; it may then heat the wire.",
-            [](Remote& remote) { remote.enable(); });
+            [](Remote& remote, const Common& c) {
+              remote.enable();
+              say(c, [&] { return can::enabled_text(remote); });
+            });
   add_plain(can, common, "disable", "Disables the drive: current off, the wire relaxes.",
-            [](Remote& remote) { remote.disable(); });
+            [](Remote& remote, const Common& c) {
+              remote.disable();
+              say(c, [&] { return can::disabled_text(remote, c.units); });
+            });
   add_plain(can, common, "reset-faults", "Acknowledges faults.",
-            [](Remote& remote) { remote.reset_faults(); });
+            [](Remote& remote, const Common& c) {
+              const FaultSet before = c.quiet ? FaultSet() : can::latched_faults(remote);
+              remote.reset_faults();
+              say(c, [&] { return can::faults_reset_text(remote, before); });
+            });
   auto hold_s = std::make_shared<double>(1e6);
   add(can, "hold", "Keeps an enabled drive enabled, as a master that is there does.",
       [common, hold_s] {
@@ -390,14 +501,21 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       })
       ->add_option("--for", *hold_s, "duration, s; default: 1000000 s, 11 days")
       ->check(seconds_of(0, 1e6));
-  auto target_um = std::make_shared<std::int32_t>();
+  auto target = std::make_shared<std::string>();
   auto patience_s = std::make_shared<double>(10);
   CLI::App* move = add(
       can, "move", "Moves to a position (Profile position) and waits until it is reached.", [=] {
+        const std::int32_t target_um = can::position_um(*target, common->units);
         Session session(*common);
-        session.remote().move(*target_um, *patience_s);
+        const std::int64_t start_us = session.bus().now_us();
+        session.remote().move(target_um, *patience_s);
+        const double took_s = static_cast<double>(session.bus().now_us() - start_us) * 1e-6;
+        say(*common,
+            [&] { return can::moved_text(session.remote(), target_um, took_s, common->units); });
       });
-  move->add_option("UM", *target_um, "position, um of contraction")->required();
+  move->add_option("POSITION", *target,
+                   "contraction: 1000 (um; with --units si: m), or with a unit, as 0.8mm")
+      ->required();
   move->add_option("--patience", *patience_s, "longest wait, s")
       ->capture_default_str()
       ->check(seconds_of(0, 1e6));
@@ -407,7 +525,7 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       add(can, "step",
           "Makes a step there and back; prints its figures beside those of earlier runs.", [=] {
             Session session(*common);
-            step(session.remote(), *a);
+            step(session.remote(), *a, common->units);
           });
   step_command
       ->add_option("--amplitude-um", a->plan.amplitude_um, "size of the step, um of contraction")
@@ -439,6 +557,11 @@ void add_can_command(CLI::App& app) {
   can->add_option("--timeout", common->timeout_s, "longest wait for an answer, s")
       ->capture_default_str()
       ->check(seconds_of(0.01, 60));
+  add_units_option(*can, common->units, "units of what is shown, and of a plain POSITION");
+  can->add_flag("--quiet", common->quiet, "leaves out what commands say of what is so now");
+  can->footer(
+      "The gains of the position loop are the parameters strain.*, 0 by default: the inverse\n"
+      "of the model drives the wire. `host-sim tune` proposes gains.");
   add_network_commands(*can, common);
   add_object_commands(*can, common);
   add_watch_commands(*can, common);

@@ -79,13 +79,17 @@ std::string differences_text(const std::vector<Difference>& differences) {
   return table.text();
 }
 
+Bytes bytes_of(const text::KnownObject& object, Value value) {
+  Bytes bytes(canopen::size_of(object.type));
+  canopen::put_number(bytes, value.bits);
+  return bytes;
+}
+
 void restore(Remote& remote, const std::vector<Difference>& differences) {
   std::vector<Change> changes;
   for (const Difference& d : differences) {
     const text::KnownObject object = object_of(*d.row);
-    Bytes bytes(canopen::size_of(object.type));
-    canopen::put_number(bytes, d.here.bits);
-    changes.emplace_back(object, std::move(bytes));
+    changes.emplace_back(object, bytes_of(object, d.here));
   }
   remote.change(changes);
 }

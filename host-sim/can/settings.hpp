@@ -25,6 +25,9 @@ std::vector<Difference> differences(const Settings<double>& file, const Settings
 /// One line for each difference: path, the file's value, the node's value.
 std::string differences_text(const std::vector<Difference>& differences);
 
+/// The bytes of a parameter's value on the bus.
+Bytes bytes_of(const text::KnownObject& object, Value value);
+
 /// Writes the file's values as one set. If it throws UserError, nothing has changed.
 void restore(Remote& remote, const std::vector<Difference>& differences);
 

@@ -5,8 +5,8 @@
 #include "firmware/safety/standing.hpp"
 #include "firmware/text/canopen/change_text.hpp"
 #include "firmware/text/device_names.hpp"
+#include "host-sim/can/shown.hpp"
 #include "model/files/text_table.hpp"
-#include "model/units.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -50,7 +50,7 @@ std::string device_state(Remote& remote) {
 
 }  // namespace
 
-std::string info_text(Remote& remote) {
+std::string info_text(Remote& remote, Units units) {
   files::TextTable table({{""}, {""}});
   table.add({"node", fmt::format("{} on {}", remote.node(), remote.bus().name())});
   table.add({"device", fmt::format("{}, hardware {}, software {}", remote.text("1008"),
@@ -62,11 +62,13 @@ std::string info_text(Remote& remote) {
   table.add({"drive", fmt::format("{} ({:04X}h), mode {}", drive_state_text(status), status,
                                   remote.text("6061"))});
   table.add({"wire", device_state(remote)});
-  table.add(
-      {"position", fmt::format("{} um, target {} um", remote.text("6064"), remote.text("607A"))});
+  table.add({"position", fmt::format("{}, target {}", position_text(remote.number("6064"), units),
+                                     position_text(remote.number("607A"), units))});
+  const Unit degree = unit_in(kind::temperature, units);
   table.add({"temperature",
-             fmt::format("{:.1f} degC", remote.number("live.wire_temperature_K") - zero_degC_K)});
-  table.add({"faults", or_none(text::names_of(fault_set(remote, "latched")))});
+             fmt::format("{:.1f} {}", degree.from_si(remote.number("live.wire_temperature_K")),
+                         degree.suffix)});
+  table.add({"faults", or_none(text::names_of(latched_faults(remote)))});
   table.add(
       {"loop", fmt::format("{} steps, {} missed, {:.3f} ms late at most, {:.3f} ms busy at most",
                            remote.text("loop.steps"), remote.text("loop.missed"),
@@ -94,6 +96,10 @@ std::string changes_text(Remote& remote) {
   return text.empty() ? "none\n" : text;
 }
 
+FaultSet latched_faults(Remote& remote) {
+  return fault_set(remote, "latched");
+}
+
 Fault first_cause(Remote& remote) {
   const auto number = remote.whole("faults.first_cause");
   return number < fault_count ? static_cast<Fault>(number) : Fault::none;
@@ -102,7 +108,7 @@ Fault first_cause(Remote& remote) {
 std::string faults_text(Remote& remote) {
   files::TextTable table({{""}, {""}});
   table.add({"state", device_state(remote)});
-  table.add({"latched", or_none(text::names_of(fault_set(remote, "latched")))});
+  table.add({"latched", or_none(text::names_of(latched_faults(remote)))});
   const Fault first = first_cause(remote);
   if (first != Fault::none) {
     table.add({"first cause", std::string(fault_name(first))});

@@ -1,10 +1,12 @@
 #include "host-sim/can/step_test.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
 #include "firmware/command.hpp"
+#include "firmware/parameters/parameters.hpp"
 #include "host-sim/report/html.hpp"
 #include "host-sim/report/text_plot.hpp"
 #include "model/files/error.hpp"
@@ -175,7 +177,7 @@ TimeAxis axis_of(const StepRun& run) {
 
 /// The contraction relative to its first value, averaged over each column of a text plot; NaN for
 /// columns without rows.
-std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
+std::vector<double> way(const StepRun& run, const TimeAxis& axis, const Unit& unit) {
   const auto positions = run.recording.column("position_m");
   const double first_s = axis_of(run).from_s;
   std::vector<double> sums(axis.columns, 0);
@@ -185,7 +187,7 @@ std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
     const double column = std::floor((time_s - axis.from_s) / (axis.to_s - axis.from_s) *
                                      static_cast<double>(axis.columns));
     if (column >= 0 && column < static_cast<double>(axis.columns)) {
-      sums[static_cast<std::size_t>(column)] += 1e6 * (positions[i] - positions.front());
+      sums[static_cast<std::size_t>(column)] += unit.from_si(positions[i] - positions.front());
       ++counts[static_cast<std::size_t>(column)];
     }
   }
@@ -195,20 +197,85 @@ std::vector<double> way_um(const StepRun& run, const TimeAxis& axis) {
   return sums;
 }
 
-files::TextTable figures_of(const std::vector<StepRun>& runs,
-                            const std::vector<std::string>& names) {
+files::TextTable figures_of(const std::vector<StepRun>& runs, const std::vector<std::string>& names,
+                            Units units) {
+  const Unit degree = unit_in(kind::temperature, units);
   files::TextTable table({{""},
                           {"rise s", "{:.3f}"},
                           {"overshoot %", "{:.1f}"},
                           {"settled s", "{:.3f}"},
                           {"error %", "{:.2f}"},
-                          {"peak degC", "{:.1f}"}});
+                          {fmt::format("peak {}", degree.suffix), "{:.1f}"}});
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const auto [f, peak_K] = judge(runs[i]);
     table.add({names[i], f.rise_s, f.overshoot_percent, f.settling_s, f.error_percent,
-               peak_K - zero_degC_K});
+               degree.from_si(peak_K)});
   }
   return table;
+}
+
+constexpr std::size_t terminal_width = 80;
+
+/// "strain      proportional_W 0, integral_1_s 0, ...": the values of each group, in lines that a
+/// terminal holds.
+std::string wrapped_gains(const std::map<std::string, std::string>& gains) {
+  constexpr std::size_t indent = 12;
+  std::string text;
+  std::string line;
+  std::string group;
+  for (const auto& [path, value] : gains) {
+    const std::size_t dot = std::min(path.find('.'), path.size() - 1);
+    const std::string part = fmt::format(" {} {}", path.substr(dot + 1), value);
+    const bool new_group = path.substr(0, dot) != group;
+    if (new_group || line.size() + part.size() + 1 > terminal_width) {
+      text += line.empty() ? "" : line + (new_group ? "\n" : ",\n");
+      group = path.substr(0, dot);
+      line = fmt::format("{:<{}}", new_group ? group : "", indent - 1);
+    } else {
+      line += ',';
+    }
+    line += part;
+  }
+  return files::printable_lines(text + line) + "\n";
+}
+
+/// Which runs have no gains in their file, which gains differ, which are the same in all others.
+std::string gains_text(const std::vector<StepRun>& runs, const std::vector<std::string>& names) {
+  std::string without;
+  std::vector<files::TextTable::Column> columns{{"gains that differ"}};
+  std::vector<const std::map<std::string, std::string>*> known;
+  std::map<std::string, std::string> all;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (runs[i].gains.empty()) {
+      without += fmt::format("{}: gains not recorded\n", files::printable(names[i]));
+      continue;
+    }
+    columns.push_back({names[i]});
+    known.push_back(&runs[i].gains);
+    all.insert(runs[i].gains.begin(), runs[i].gains.end());
+  }
+  files::TextTable differing(columns);
+  std::map<std::string, std::string> same;
+  for (const auto& [path, value] : all) {
+    files::TextTable::Row cells{path};
+    bool differs = false;
+    for (const auto* const gains : known) {
+      const auto found = gains->find(path);
+      cells.emplace_back(found == gains->end() ? "" : found->second);
+      differs = differs || found == gains->end() || found->second != value;
+    }
+    if (differs) {
+      differing.add(cells);
+    } else {
+      same[path] = value;
+    }
+  }
+  std::string text = same.size() == all.size() ? "" : "\n" + differing.text();
+  if (!same.empty()) {
+    text += fmt::format("\n{}\n{}",
+                        known.size() > 1 ? "the same in all:" : "gains:", wrapped_gains(same));
+  }
+  return text + (without.empty() ? "" : "\n" + without);
 }
 
 }  // namespace
@@ -254,6 +321,34 @@ StepResult judge(const StepRun& run) {
   return {judge.steps().front(), std::ranges::max(temperatures)};
 }
 
+bool shapes_step(std::string_view path) {
+  constexpr std::array<std::string_view, 4> groups{"strain.", "trajectory.", "drive.", "limits."};
+  return std::ranges::any_of(groups,
+                             [&](std::string_view group) { return path.starts_with(group); });
+}
+
+std::map<std::string, std::string> read_gains(Remote& remote) {
+  std::map<std::string, std::string> gains;
+  for (const Parameter<double>& row : parameters<double>) {
+    const std::string path(row.path.text());
+    if (shapes_step(path)) {
+      gains[path] = remote.text(path);
+    }
+  }
+  return gains;
+}
+
+constexpr std::string_view between = " = ";
+
+std::string step_csv(const StepRun& run) {
+  Recording recording = run.recording;
+  recording.comments.clear();
+  for (const auto& [path, value] : run.gains) {
+    recording.comments.push_back(fmt::format("{}{}{}", path, between, value));
+  }
+  return to_csv(recording);
+}
+
 StepRun load_step(const std::string& path) {
   StepRun run{{}, load_recording(path)};
   const auto setpoints = run.recording.column("setpoint");
@@ -261,26 +356,35 @@ StepRun load_step(const std::string& path) {
     throw files::UserError(fmt::format("{}: has no rows", path));
   }
   run.plan.amplitude_um = static_cast<std::int32_t>(std::lround(1e6 * amplitude_of(setpoints)));
+  for (const std::string& comment : run.recording.comments) {
+    const std::size_t at = comment.find(between);
+    if (at != std::string::npos && shapes_step(comment.substr(0, at))) {
+      run.gains[comment.substr(0, at)] = comment.substr(at + between.size());
+    }
+  }
   return run;
 }
 
-std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::string>& names) {
+std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::string>& names,
+                      Units units) {
   const TimeAxis axis = axis_of(runs.front());
-  std::vector<std::vector<double>> ways_um;
-  ways_um.reserve(runs.size());
+  const Unit length = unit_in(kind::length, units);
+  std::vector<std::vector<double>> ways;
+  ways.reserve(runs.size());
   for (const StepRun& run : runs) {
-    ways_um.push_back(way_um(run, axis));
+    ways.push_back(way(run, axis, length));
   }
-  return figures_of(runs, names).text() +
-         fmt::format("\ncontraction, um: * {}{}\n", files::printable(names[0]),
+  return figures_of(runs, names, units).text() +
+         fmt::format("\ncontraction, {}: * {}{}\n", length.suffix, files::printable(names[0]),
                      runs.size() > 1 ? ", . before" : "") +
-         report::text_plot(ways_um, axis.columns, 12) +
+         report::text_plot(ways, axis.columns, 12) +
          fmt::format("{:12}{:<{}}{:>10.3g} s\n", "", fmt::format("{:.3g} s", axis.from_s),
-                     axis.columns - 12, axis.to_s);
+                     axis.columns - 12, axis.to_s) +
+         gains_text(runs, names);
 }
 
 void write_step_report(const std::string& path, const std::vector<StepRun>& runs,
-                       const std::vector<std::string>& names) {
+                       const std::vector<std::string>& names, Units units) {
   const auto panel = [](const char* title, const char* caption, bool half, const char* label) {
     return report::Panel{.title = title,
                          .caption = caption,
@@ -308,9 +412,9 @@ void write_step_report(const std::string& path, const std::vector<StepRun>& runs
           {.name = names[i], .colour = colour, .x = c.time_s, .y = values[k]});
     }
   }
-  report::write_html(
-      path, "Step test",
-      report::plots_html(panels) + report::listing_html("Figures", step_text(runs, names)));
+  report::write_html(path, "Step test",
+                     report::plots_html(panels, units) +
+                         report::listing_html("Figures", step_text(runs, names, units)));
 }
 
 }  // namespace smaservo::can

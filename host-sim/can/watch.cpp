@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <optional>
 
 #include "firmware/canopen/node/index.hpp"
+#include "firmware/signals.hpp"
+#include "host-sim/can/shown.hpp"
 #include "host-sim/report/text_plot.hpp"
 #include "model/files/text_table.hpp"
 
@@ -15,109 +18,240 @@ namespace {
 constexpr std::size_t plot_width = 64;
 constexpr std::size_t plot_height = 12;
 
-constexpr std::array<const char*, 8> usual{"6041",
-                                           "live.position_m",
-                                           "live.setpoint",
-                                           "live.wire_temperature_K",
-                                           "live.drive_current_A",
-                                           "live.power_W",
-                                           "live.resistance_ohm",
-                                           "live.stress_Pa"};
-
-struct Row {
-  double time_s;
-  std::vector<std::string> texts, words;
-};
+constexpr std::array<const char*, 8> usual{
+    "6041",       "live.position",   "live.setpoint", "live.wire_temperature", "live.drive_current",
+    "live.power", "live.resistance", "live.stress"};
 
 constexpr Key statusword{canopen::index::statusword, 0};
 
+/// One of the objects that are shown.
+struct Shown {
+  text::KnownObject object;
+  bool by_mode = false;  ///< its unit is that of the mode
+};
+
+/// A value that was read.
+struct Reading {
+  text::KnownObject object;  ///< in the unit of the reading
+  Bytes bytes;
+  bool unit_is_known = true;
+};
+
 /// The meaning of a code, in words.
-std::string words_of(const text::KnownObject& object, const Bytes& bytes) {
-  return object.key == statusword
-             ? fmt::format("  {}",
-                           drive_state_text(static_cast<unsigned>(canopen::take_number(bytes))))
-             : "";
-}
-
-std::string table(const std::vector<text::KnownObject>& objects, const Row& row) {
-  files::TextTable table({{""}, {""}});
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    table.add({objects[i].name, row.texts[i] + row.words[i]});
+std::string words_of(const Reading& reading) {
+  if (reading.object.key == statusword) {
+    return fmt::format(
+        "  {}", drive_state_text(static_cast<unsigned>(canopen::take_number(reading.bytes))));
   }
-  return table.text();
+  return reading.unit_is_known ? "" : "  in the SI unit of the mode, which is not known";
 }
 
-std::vector<text::KnownObject> chosen_objects(const std::vector<std::string>& names) {
-  std::vector<text::KnownObject> objects;
-  for (const std::string& name : names) {
-    objects.push_back(text::find_object(name));
-    if (objects.back().name.empty()) {
-      objects.back().name = name;
+/// The value with the digits that a table needs.
+std::string table_text(const Reading& reading) {
+  const bool live = reading.object.key.index == live_values;
+  return live ? fmt::format("{:.5g}", reading.object.unit.from_si(
+                                          text::value_number(reading.object, reading.bytes)))
+              : text::value_text(reading.object, reading.bytes);
+}
+
+/// The kind of the set-points of the mode that is in force, if it is known.
+std::optional<Kind> kind_in_force(Remote& remote) {
+  try {
+    const double mode = remote.number("6061");
+    return std::isnan(mode) ? std::nullopt : kind_of_mode(static_cast<int>(mode));
+  } catch (const SdoError& error) {
+    if (error.code() == 0) {
+      throw;
     }
+    return std::nullopt;  // a node of another make
   }
-  return objects;
+}
+
+/// What a table says of a position loop without gains; "" where there is nothing to say.
+std::string loop_text(Remote& remote, const std::optional<Kind>& mode) {
+  if (!mode || mode->front().suffix != kind::length.front().suffix) {
+    return "";
+  }
+  try {
+    // The other gains are factors of this one.
+    return remote.number("strain.proportional_W") == 0
+               ? "strain loop: PID gains 0, the inverse model alone drives "
+                 "(strain.proportional_W)\n"
+               : "";
+  } catch (const SdoError& error) {
+    if (error.code() == 0) {
+      throw;
+    }
+    return "";
+  }
+}
+
+Shown shown(const std::string& name, Units units) {
+  Shown shown{shown_object(name, units)};
+  shown.by_mode = is_in_unit_of_mode(shown.object);
+  if (shown.object.name.empty()) {
+    shown.object.name = name;
+  }
+  return shown;
 }
 
 /// The index of the object to plot, which is added if it is missing; if there is none to plot, the
 /// number of objects.
-std::size_t place_of_plot(const std::string& name, std::vector<text::KnownObject>& objects) {
-  if (name.empty()) {
-    return objects.size();
+std::size_t place_of_plot(const WatchPlan& plan, std::vector<Shown>& all) {
+  if (plan.plot.empty()) {
+    return all.size();
   }
-  const text::KnownObject wanted = text::find_object(name);
-  const auto found = std::ranges::find(objects, wanted.key, &text::KnownObject::key);
-  const auto place = static_cast<std::size_t>(found - objects.begin());
-  if (place == objects.size()) {
-    objects.push_back(wanted);
+  const Shown wanted = shown(plan.plot, plan.units);
+  const auto found = std::ranges::find_if(all, [&](const Shown& one) {
+    return one.object.key == wanted.object.key && one.object.name == wanted.object.name;
+  });
+  const auto place = static_cast<std::size_t>(found - all.begin());
+  if (place == all.size()) {
+    all.push_back(wanted);
   }
   return place;
 }
 
-std::string header(const std::vector<text::KnownObject>& objects) {
-  std::string text = "time_s";
-  for (const text::KnownObject& object : objects) {
-    text += "," + object.name;
+/// The object in the unit of the mode, where it has that of the mode and the mode is known.
+text::KnownObject in_force(const Shown& shown, const std::optional<Kind>& mode, Units units) {
+  return shown.by_mode && mode ? text::in_unit(shown.object, unit_in(*mode, units)) : shown.object;
+}
+
+std::string table(const std::vector<Reading>& row) {
+  files::TextTable table({{""}, {""}});
+  for (const Reading& reading : row) {
+    table.add({reading.object.name, table_text(reading) + words_of(reading)});
   }
-  return text + '\n';
+  return table.text();
+}
+
+/// Lines of CSV; the unit of each column stays what it is in the header.
+class CsvLines {
+ public:
+  CsvLines(const std::vector<Shown>& all, const std::optional<Kind>& mode, Units units) {
+    for (const Shown& one : all) {
+      columns_.push_back(in_force(one, mode, units));
+    }
+  }
+
+  std::string header() const {
+    std::string text = "time_s";
+    for (const text::KnownObject& column : columns_) {
+      text += "," + column.name;
+    }
+    return text + '\n';
+  }
+
+  /// `remark` is told of a column that has to stay empty.
+  std::string line(double time_s, const std::vector<Reading>& row,
+                   const std::function<void(const std::string&)>& remark) {
+    std::string text = fmt::format("{:.3f}", time_s);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const text::KnownObject& column = columns_[i];
+      // A column that began without a known mode has SI numbers of whatever mode.
+      const bool fits = column.unit.suffix.empty() || row[i].object.name == column.name;
+      text += "," + (fits ? text::value_text(column, row[i].bytes) : "");
+      if (!fits && !told_) {
+        told_ = true;
+        remark(fmt::format("{}: empty from {:.3f} s on, as the mode has another unit\n",
+                           column.name, time_s));
+      }
+    }
+    return text + '\n';
+  }
+
+ private:
+  std::vector<text::KnownObject> columns_;
+  bool told_ = false;
+};
+
+/// The values of one object over the last rows, drawn as text.
+class Plot {
+ public:
+  /// `place`: the index of the object among those that are read.
+  explicit Plot(std::size_t place) : place_(place) {}
+
+  void add(const std::vector<Reading>& row) {
+    if (place_ >= row.size()) {
+      return;
+    }
+    const Reading& reading = row[place_];
+    if (reading.object.name != name_) {
+      // The unit has changed.
+      history_.clear();
+      name_ = reading.object.name;
+    }
+    history_.push_back(
+        reading.object.unit.from_si(text::value_number(reading.object, reading.bytes)));
+    if (history_.size() > plot_width) {
+      history_.erase(history_.begin());
+    }
+  }
+
+  /// "" where nothing is drawn.
+  std::string text() const {
+    return history_.empty()
+               ? ""
+               : "\n" + name_ + "\n" + report::text_plot({history_}, plot_width, plot_height);
+  }
+
+ private:
+  std::size_t place_;
+  std::string name_;
+  std::vector<double> history_;
+};
+
+std::vector<Shown> shown_of(const WatchPlan& plan) {
+  std::vector<Shown> all;
+  for (const std::string& name :
+       plan.names.empty() ? std::vector<std::string>(usual.begin(), usual.end()) : plan.names) {
+    all.push_back(shown(name, plan.units));
+  }
+  return all;
+}
+
+std::vector<Reading> read_row(Remote& remote, const std::vector<Shown>& all,
+                              const std::optional<Kind>& mode, Units units) {
+  std::vector<Reading> row;
+  for (const Shown& one : all) {
+    const text::KnownObject object = in_force(one, mode, units);
+    row.push_back({object, remote.read(object), !one.by_mode || mode});
+  }
+  return row;
 }
 
 }  // namespace
 
 void watch(Remote& remote, const WatchPlan& plan, bool in_place,
-           const std::function<void(const std::string&)>& show) {
-  std::vector<text::KnownObject> objects = chosen_objects(
-      plan.names.empty() ? std::vector<std::string>(usual.begin(), usual.end()) : plan.names);
-  const std::size_t plotted = place_of_plot(plan.plot, objects);
+           const std::function<void(const std::string&)>& show,
+           const std::function<void(const std::string&)>& remark) {
+  std::vector<Shown> all = shown_of(plan);
+  Plot plot(place_of_plot(plan, all));
+  const bool by_mode = std::ranges::any_of(all, &Shown::by_mode);
+  const auto mode_now = [&] { return in_place || by_mode ? kind_in_force(remote) : std::nullopt; };
+  const std::optional<Kind> first_mode = mode_now();
+  CsvLines csv(all, first_mode, plan.units);
   if (!in_place) {
-    show(header(objects));
+    show(csv.header());
   }
-  std::vector<double> history;
+  if (!in_place && by_mode && !first_mode) {
+    remark("set-point and reference: in the SI unit of the mode, which is not known yet\n");
+  }
   const std::int64_t start_us = remote.bus().now_us();
   const auto period_us = static_cast<std::int64_t>(plan.period_s * 1e6);
   for (std::uint64_t i = 0; plan.count == 0 || i < plan.count; ++i) {
     hal::CanFrame passing;
     while (remote.bus().receive(passing, start_us + static_cast<std::int64_t>(i) * period_us)) {
     }
-    Row row{static_cast<double>(remote.bus().now_us() - start_us) * 1e-6, {}, {}};
-    for (std::size_t k = 0; k < objects.size(); ++k) {
-      const Bytes bytes = remote.read(objects[k]);
-      row.texts.push_back(text::value_text(objects[k], bytes));
-      row.words.push_back(words_of(objects[k], bytes));
-      if (k == plotted) {
-        history.push_back(text::value_number(objects[k], bytes));
-      }
+    const double time_s = static_cast<double>(remote.bus().now_us() - start_us) * 1e-6;
+    const std::optional<Kind> mode = mode_now();
+    const std::vector<Reading> row = read_row(remote, all, mode, plan.units);
+    plot.add(row);
+    if (in_place) {
+      show(table(row) + loop_text(remote, mode) + plot.text());
+    } else {
+      show(csv.line(time_s, row, remark) + (i + 1 == plan.count ? plot.text() : ""));
     }
-    if (history.size() > plot_width) {
-      history.erase(history.begin());
-    }
-    const std::string plot = plotted < objects.size()
-                                 ? "\n" + objects[plotted].name + "\n" +
-                                       report::text_plot({history}, plot_width, plot_height)
-                                 : "";
-    const bool last = i + 1 == plan.count;
-    show(in_place ? table(objects, row) + plot
-                  : fmt::format("{:.3f},{}\n{}", row.time_s, fmt::join(row.texts, ","),
-                                last ? plot : ""));
   }
 }
 

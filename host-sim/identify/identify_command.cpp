@@ -26,6 +26,7 @@ struct IdentifyArguments {
   std::string from{files::default_wire};
   std::vector<std::string> settings, columns, allowed;
   std::string out, report;
+  Units units = Units::bench;
   bool json = false;
   bool circuit = false;
   bool lenient = false;
@@ -126,7 +127,7 @@ void run(const IdentifyArguments& a) {
   file.write(files::to_toml(all.wire));
   file.commit();
   if (!a.report.empty()) {
-    write_fit_report(a.report, all);
+    write_fit_report(a.report, all, a.units);
   }
   files::print(a.json ? fit_json(all) : fit_summary(all), a.report == "-" ? stderr : stdout);
   if (all.fit.interrupted) {
@@ -160,7 +161,7 @@ void add_identify_command(CLI::App& app) {
       ->add_option("--set", a->settings,
                    "key=value of the wire, such as wire.length_mm=120; repeatable")
       ->allow_extra_args(false);
-  command->add_option("--report", a->report, "report as one HTML file");
+  add_report_options(*command, a->report, a->units);
   command->add_flag("--json", a->json, "print the numbers as JSON");
   command->add_flag("--circuit", a->circuit,
                     "also fit the resistance of the leads and the gain of the load cell");

@@ -282,7 +282,7 @@ std::string fit_json(const Identification& all) {
   return files::json_text(json);
 }
 
-void write_fit_report(const std::string& path, const Identification& all) {
+void write_fit_report(const std::string& path, const Identification& all, Units units) {
   std::string html =
       fmt::format("<p>{}</p>\n<p>{}</p>\n", files::escaped(heading(all)), unit_of_errors(all)) +
       runs_table(all).html();
@@ -290,7 +290,7 @@ void write_fit_report(const std::string& path, const Identification& all) {
                                   "structure: " + structure(all.fit.variant), circuit(all.fit)}) {
     html += text.empty() ? "" : fmt::format("<p>{}</p>\n", files::escaped(text));
   }
-  html += report::plots_html(fit_panels(all.fit, all.runs));
+  html += report::plots_html(fit_panels(all.fit, all.runs), units);
   html += parameters_html(all.fit);
   const std::string correlations = correlations_text(all.fit);
   if (!correlations.empty()) {

@@ -7,6 +7,7 @@
 
 #include "host-sim/identify/classic.hpp"
 #include "host-sim/identify/fit/fit.hpp"
+#include "host-sim/units.hpp"
 #include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::identify {
@@ -36,6 +37,6 @@ std::string fit_summary(const Identification& all);
 std::string fit_json(const Identification& all);
 
 /// Writes one HTML file that can be opened without a network. Throws UserError.
-void write_fit_report(const std::string& path, const Identification& all);
+void write_fit_report(const std::string& path, const Identification& all, Units units);
 
 }  // namespace smaservo::identify

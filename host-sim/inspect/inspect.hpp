@@ -7,6 +7,7 @@
 
 #include "hal/replay/trace.hpp"
 #include "host-sim/checks/findings.hpp"
+#include "host-sim/units.hpp"
 #include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::inspect {
@@ -66,6 +67,7 @@ Facts inspect(const InspectOptions& options);
 std::string text_of(const Facts& facts, const InspectOptions& options);
 std::string json_of(const std::vector<Facts>& all);
 /// A report as one HTML file. Throws UserError.
-void write_report(const std::string& path, const Facts& facts, const InspectOptions& options);
+void write_report(const std::string& path, const Facts& facts, const InspectOptions& options,
+                  Units units);
 
 }  // namespace smaservo::inspect

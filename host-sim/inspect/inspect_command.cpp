@@ -18,6 +18,7 @@ struct InspectArguments {
   std::string wire;
   std::vector<std::string> settings;
   std::string report;
+  Units units = Units::bench;
   bool json = false;
   std::optional<double> period_s;
 };
@@ -49,7 +50,7 @@ void run(InspectArguments& a) {
       files::print((all.size() > 1 ? "\n" : "") + text_of(facts, a.options));
     }
     if (!a.report.empty()) {
-      write_report(a.report, facts, a.options);
+      write_report(a.report, facts, a.options, a.units);
     }
     all.back().record = {};
   }
@@ -78,7 +79,7 @@ void add_inspect_command(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--period-s", a->period_s, "time between rows of a trace without time, s");
   command->add_flag("--json", a->json, "print the facts as JSON");
-  command->add_option("--report", a->report, "report with plots as one HTML file");
+  add_report_options(*command, a->report, a->units, "report with plots as one HTML file");
   command->callback([a] { run(*a); });
 }
 

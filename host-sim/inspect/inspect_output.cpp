@@ -241,7 +241,8 @@ std::string json_of(const std::vector<Facts>& all) {
   return files::json_text(json);
 }
 
-void write_report(const std::string& path, const Facts& facts, const InspectOptions& options) {
+void write_report(const std::string& path, const Facts& facts, const InspectOptions& options,
+                  Units units) {
   std::string html = columns_of(facts).html();
   const auto line = [&](std::string_view heading, const std::string& text) {
     html += fmt::format("<p><b>{}</b> {}</p>\n", heading, files::escaped(text));
@@ -261,7 +262,7 @@ void write_report(const std::string& path, const Facts& facts, const InspectOpti
   for (const std::string& skipped : facts.skipped) {
     line("Skipped", skipped);
   }
-  html += report::plots_html(panels_of(facts));
+  html += report::plots_html(panels_of(facts), units);
   std::string commands;
   for (const Use& use : facts.uses) {
     commands += fmt::format("{}: {}{}\n", use.name, use.command,

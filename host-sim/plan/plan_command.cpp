@@ -23,6 +23,7 @@ namespace {
 
 struct PlanArguments {
   std::string wire, out{"-"}, report;
+  Units units = Units::bench;
   std::vector<std::string> settings;
   std::vector<double> loads_N, stresses_MPa;
   double duration_s = 60;
@@ -233,7 +234,7 @@ void run(const PlanArguments& a) {
   file.commit();
   if (!a.report.empty()) {
     report::write_html(a.report, "calibrate-plan " + a.wire,
-                       report::plots_html(plots(planned.plan)) +
+                       report::plots_html(plots(planned.plan), a.units) +
                            report::listing_html("Expected deviations", summary(planned)));
   }
   files::print(a.json ? json(planned) : summary(planned),
@@ -262,7 +263,7 @@ void add_calibrate_plan_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--out", a->out, "CSV file of the currents; - is standard output")
       ->capture_default_str();
-  command->add_option("--report", a->report, "report as one HTML file");
+  add_report_options(*command, a->report, a->units);
   command->add_flag("--json", a->json, "print the numbers as JSON");
   command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
   command->callback([a] { run(*a); });

@@ -29,6 +29,7 @@ struct ReplayArguments {
   std::vector<std::string> settings;
   std::vector<std::string> traces;
   std::string report;
+  Units units = Units::bench;
   std::optional<std::string> fail_above, expect;  // an empty text is refused, not ignored
   std::string junit, summary;
   bool json = false;
@@ -145,7 +146,7 @@ void replay_trace(ReplayArguments& a, const std::string& trace, std::span<const 
   try {
     ReplayResult replayed = replay(a.options);
     if (!a.report.empty()) {
-      write_report(a.report, a.options, replayed);
+      write_report(a.report, a.options, replayed, a.units);
     }
     replayed.series = report::ReplaySeries();
     const ReplayResult& result = outcome.result.emplace(std::move(replayed));
@@ -254,7 +255,7 @@ void add_replay_command(CLI::App& app) {
   command->add_option(
       "--out", a->options.out,
       "estimate as CSV, or as MCAP if the name ends in .mcap; - for standard output");
-  command->add_option("--report", a->report, "report as one HTML file");
+  add_report_options(*command, a->report, a->units);
   command->add_flag("--json", a->json, "print the numbers as JSON; of several traces as a list");
   add_ci_options(*command, *a);
   command->add_flag("--lenient", a->options.trace_options.lenient,

@@ -96,11 +96,11 @@ std::string trace_name(const ReplayOptions& options) {
 
 }  // namespace
 
-void write_report(const std::string& path, const ReplayOptions& options,
-                  const ReplayResult& result) {
+void write_report(const std::string& path, const ReplayOptions& options, const ReplayResult& result,
+                  Units units) {
   std::string html = fmt::format("<p>{}</p>\n", files::escaped(reading(options, result)));
   html += errors_html(options, result);
-  html += report::plots_html(panels_of(result));
+  html += report::plots_html(panels_of(result), units);
   if (!result.complaints.empty()) {
     html += report::listing_html("Skipped rows",
                                  fmt::format("{}\n", fmt::join(result.complaints, "\n")));

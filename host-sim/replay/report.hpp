@@ -4,13 +4,14 @@
 #include <string>
 
 #include "host-sim/replay/replay.hpp"
+#include "host-sim/units.hpp"
 
 namespace smaservo::replay {
 
 /// Writes one HTML file that opens without a network: numbers, plots, wire and settings. Throws
 /// UserError.
-void write_report(const std::string& path, const ReplayOptions& options,
-                  const ReplayResult& result);
+void write_report(const std::string& path, const ReplayOptions& options, const ReplayResult& result,
+                  Units units);
 
 /// The numbers of a run for a terminal: what was read, and the error of every observer.
 std::string summary(const ReplayOptions& options, const ReplayResult& result);

@@ -104,8 +104,9 @@ std::string plots_html(const std::vector<Panel>& panels, const std::vector<std::
   return html + "</div>\n";
 }
 
-std::string plots_html(const std::vector<Panel>& panels) {
-  return plots_html(panels, pictures(panels), 2);
+std::string plots_html(const std::vector<Panel>& panels, Units units) {
+  const std::vector<Panel> shown = in_units(panels, units);
+  return plots_html(shown, pictures(shown), 2);
 }
 
 std::string listing_html(std::string_view heading, std::string_view text) {

@@ -12,8 +12,8 @@ namespace smaservo::report {
 
 /// All panels as pictures, those of half the width side by side, and the data from which a browser
 /// draws interactive panels (assets.hpp), if the program contains the script. Throws UserError if
-/// gnuplot is missing or fails.
-std::string plots_html(const std::vector<Panel>& panels);
+/// gnuplot is missing or fails. The panels are shown in these units.
+std::string plots_html(const std::vector<Panel>& panels, Units units);
 /// Like plots_html() above, with pictures already drawn, and titles of this heading level.
 std::string plots_html(const std::vector<Panel>& panels, const std::vector<std::string>& svg,
                        int heading);

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "host-sim/units.hpp"
+
 namespace smaservo::report {
 
 /// Numbers that series and panels share, so that a page contains each column once. NaN leaves a
@@ -102,6 +104,13 @@ struct Panel {
 };
 
 // NOLINTEND(readability-redundant-member-init)
+
+/// The panels in these units: a label that ends in " in UNIT" gives the unit of what is on its axis
+/// (series, limits, ticks, rules, notes). Temperatures are in °C or K, stresses in MPa or Pa,
+/// currents in mA or A, powers in mW or W, lengths in µm or m; a length in mm stays so on the
+/// bench. All others, such as %, stay as they are, and so does a difference of temperatures: only
+/// an axis that is called "temperature" has a zero that moves. Columns that are shared stay shared.
+std::vector<Panel> in_units(std::vector<Panel> panels, Units units);
 
 /// A colour with a meaning, on white and on a dark screen. The colours are distinguishable for
 /// colour-blind readers and in grey print.

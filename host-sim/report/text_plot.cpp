@@ -9,6 +9,7 @@
 namespace smaservo::report {
 namespace {
 
+constexpr std::size_t label_width = 10;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> columns_of(std::span<const double> values, std::size_t width) {
@@ -28,6 +29,18 @@ std::vector<double> columns_of(std::span<const double> values, std::size_t width
     columns.push_back(used > 0 ? sum / used : nan);
   }
   return columns;
+}
+
+/// A number with as many of six digits as the width has room for.
+std::string label_text(double value, std::size_t width) {
+  std::string text;
+  for (int digits = 6; digits > 0; --digits) {
+    text = fmt::format("{:.{}g}", value, digits);
+    if (text.size() <= width) {
+      break;
+    }
+  }
+  return text;
 }
 
 }  // namespace
@@ -65,11 +78,11 @@ std::string text_plot(const std::vector<std::vector<double>>& curves, std::size_
   }
   std::string text;
   for (std::size_t i = 0; i < height; ++i) {
-    const std::string label = i == 0            ? fmt::format("{:.6g}", high)
-                              : i + 1 == height ? fmt::format("{:.6g}", low)
+    const std::string label = i == 0            ? label_text(high, label_width)
+                              : i + 1 == height ? label_text(low, label_width)
                                                 : "";
     rows[i].erase(rows[i].find_last_not_of(' ') + 1);
-    text += fmt::format("{:>10} |{}\n", label, rows[i]);
+    text += fmt::format("{:>{}} |{}\n", label, label_width, rows[i]);
   }
   return text;
 }

@@ -238,14 +238,14 @@ std::string steps_html(const bench::ClosedLoopScenario& scenario, const LoopRunR
 }  // namespace
 
 void write_report(const std::string& path, const bench::ClosedLoopScenario& scenario,
-                  const LoopRunResult& result) {
+                  const LoopRunResult& result, Units units) {
   std::string html = fmt::format("<p>{}</p>\n<p>{} steps, {:.4g} s, plant {}, wire {}</p>\n",
                                  files::escaped(scenario.note), result.steps, result.duration_s,
                                  bench::plant_name(scenario.plant.family),
                                  files::escaped(scenario.plant.wire.name));
   html += numbers_html(scenario, result);
   if (result.record) {
-    html += report::plots_html(LoopPlots(scenario, *result.record).all());
+    html += report::plots_html(LoopPlots(scenario, *result.record).all(), units);
   }
   html += steps_html(scenario, result);
   html += report::listing_html("The true wire", files::to_toml(scenario.plant.wire));

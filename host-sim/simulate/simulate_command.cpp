@@ -15,6 +15,7 @@ namespace {
 
 struct SimulateArguments {
   std::string scenario, out, report;
+  Units units = Units::bench;
 };
 
 void run_loop(const SimulateArguments& a) {
@@ -22,7 +23,7 @@ void run_loop(const SimulateArguments& a) {
   const LoopRunResult result =
       run_closed_loop(scenario, {.out = a.out, .record = !a.report.empty()});
   if (!a.report.empty()) {
-    write_report(a.report, scenario, result);
+    write_report(a.report, scenario, result, a.units);
   }
   // If a file is written to standard output, the summary must not mix with it.
   const bool taken = a.out == "-" || a.report == "-";
@@ -62,7 +63,7 @@ void add_simulate_command(CLI::App& app) {
   command->add_option("--out", a->out,
                       "trace as CSV, or as MCAP if the name ends in .mcap; - is standard output, "
                       "the default without a [device]");
-  command->add_option("--report", a->report, "report as one HTML file; needs a [device]");
+  add_report_options(*command, a->report, a->units, "report as one HTML file; needs a [device]");
   command->callback([a] { run(*a); });
 }
 

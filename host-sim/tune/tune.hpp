@@ -9,6 +9,7 @@
 #include "host-sim/tune/expected.hpp"
 #include "host-sim/tune/proposal.hpp"
 #include "host-sim/tune/relay/relay.hpp"
+#include "host-sim/units.hpp"
 
 namespace smaservo::tune {
 
@@ -37,6 +38,6 @@ std::string tuned_text(const Tuned& tuned);
 std::string tuned_json(const Tuned& tuned);
 std::string tuned_toml(const Tuned& tuned);
 /// Writes one HTML file that opens without a network. Throws UserError.
-void write_tune_report(const std::string& path, const Tuned& tuned);
+void write_tune_report(const std::string& path, const Tuned& tuned, Units units);
 
 }  // namespace smaservo::tune

@@ -26,6 +26,7 @@ struct TuneArguments {
   std::vector<double> spring;  ///< low and high stress in MPa, and stroke
   double ambient_degC = 25;
   std::string out, report;
+  Units units = Units::bench;
   bool json = false;
 };
 
@@ -101,7 +102,7 @@ void run(const TuneArguments& a) {
     file.commit();
   }
   if (!a.report.empty()) {
-    write_tune_report(a.report, tuned);
+    write_tune_report(a.report, tuned, a.units);
   }
   files::print(a.json ? tuned_json(tuned) : tuned_text(tuned),
                a.out == "-" || a.report == "-" ? stderr : stdout);
@@ -133,7 +134,7 @@ void add_tune_command(CLI::App& app) {
   command->add_option("--current-A", a->current_A,
                       "greatest current that sensors and converter can take");
   command->add_option("--out", a->out, "proposed settings as TOML");
-  command->add_option("--report", a->report, "report as one HTML file");
+  add_report_options(*command, a->report, a->units);
   command->add_flag("--json", a->json, "print the numbers as JSON");
   command->callback([a] { run(*a); });
 }

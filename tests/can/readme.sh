@@ -51,8 +51,49 @@ while IFS= read -r line; do
 done <<<"$lines"
 
 [[ $("${ours[@]}" get strain.proportional_W) == 0.5 ]]
+grep -E 'smaservod: board sim, bus udp, node-id 1, wire .* current off until enabled$' "$work/daemon"
 position=$("${ours[@]}" get 6064)
 echo "position $position um"
 ((position > 900 && position < 1100))
 # Its log may come a tenth of a second later.
 becomes grep -F 'bus: strain.proportional_W (2100h:1): 0 -> 0.5, by SDO' "$work/daemon"
+
+# What is so now goes to the standard error output alone, and --quiet leaves it out.
+says() {
+  local text=$1
+  shift
+  [[ -z $("${ours[@]}" --quiet "$@" 2>&1) ]]
+  [[ -z $("${ours[@]}" "$@" 2>"$work/said") ]]
+  grep -E "$text" "$work/said"
+}
+says '^enabled: may be heated until 5 s after the last command' enable
+says '^at [0-9]+ um after [0-9.]+ s \(target 900 um\)$' move 0.9mm
+says '^at 0.00[0-9]+ m after [0-9.]+ s \(target 0.0011 m\)$' --units si move 0.0011
+says '^limits.temperature_degC: (120 -> 110|stays 110)$' set limits.temperature=110degC
+says '^disabled: current off' disable
+says '^no fault was latched; the wire.s state is ready' reset-faults
+says '^stop sent: node 1' stop
+says '^operational: node 1' start
+
+# A trial: the values are in force, and as before when it is reverted; without one there is nothing to end.
+fails() {
+  local text=$1 status=0
+  shift
+  "${ours[@]}" "$@" 2>"$work/said" || status=$?
+  [[ $status == 1 ]] && grep -F "$text" "$work/said"
+}
+"${ours[@]}" try --for 60 strain.proportional_W=2 limits.power=900mW
+[[ $("${ours[@]}" get strain.proportional_W) == 2 ]]
+fails 'has a trial already' try strain.proportional_W=3
+"${ours[@]}" revert
+[[ $("${ours[@]}" get strain.proportional_W) == 0.5 ]]
+fails 'no trial to keep' keep
+fails 'no trial to revert' revert
+fails 'needs a unit, in the name or behind the number: W, mW' set limits.power=900
+fails 'with a unit behind it: m, mm, um' move 1inch
+"${ours[@]}" watch wire_temperature live.wire_temperature_K --once |
+  grep -x 'time_s,live.wire_temperature_degC,live.wire_temperature_K'
+"${ours[@]}" record --signals live.strain,wire_temperature_K --seconds 0.1 --out "$work/run.csv"
+head -n 1 "$work/run.csv" | grep -x 'time_s,strain,wire_temperature_K'
+says '^reset: node 1 has started anew after' reset
+[[ $("${ours[@]}" get strain.proportional_W) == 0 ]]

@@ -304,7 +304,7 @@ void client(Input input) {
   ask([&](can::Remote& r) { r.client().download_block(key, value); });
   ask([](can::Remote& r) { can::changes_text(r); });
   ask([](can::Remote& r) { can::faults_text(r); });
-  ask([](can::Remote& r) { can::info_text(r); });
+  ask([](can::Remote& r) { can::info_text(r, Units::bench); });
   ask([](can::Remote& r) { r.enable(); });
   ask([](can::Remote& r) { can::scan(r.bus(), 1000); });
   AnsweringBus bus(input);

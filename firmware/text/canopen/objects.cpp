@@ -49,15 +49,18 @@ std::vector<KnownObject> all_objects() {
   add(all, canopen::communication_rows, canopen::communication_names);
   for (const Parameter<double>& row : parameters<double>) {
     all.push_back({row.key, type_of(row.type), std::string(row.path.text()),
-                   std::string(row.meaning), true, &row, row.kind.front()});
+                   std::string(row.meaning), true, &row, row.kind.front(),
+                   row.type == ValueType::real ? row.kind : Kind()});
   }
   for (std::size_t i = 0; i < signal_count; ++i) {
     all.push_back({{live_values, sub_of(i)},
                    Type::real,
-                   fmt::format("live.{}", signal_rows<double>[i].name),
+                   fmt::format("{}{}", live_prefix, signal_rows<double>[i].name),
                    std::string(signal_rows<double>[i].meaning),
                    false,
-                   nullptr});
+                   nullptr,
+                   signal_kind(i).front(),
+                   signal_kind(i)});
   }
   add(all, canopen::drive_object_rows, canopen::drive_object_names);
   std::ranges::sort(all, {}, &KnownObject::key);
@@ -86,41 +89,53 @@ bool read_key(std::string_view text, Key& key) {
          (colon == std::string_view::npos || whole(text.substr(colon + 1), key.sub, 10));
 }
 
-/// Whether `name` is the object's parameter in another unit than SI, and which unit that is.
-bool in_other_unit(const KnownObject& object, std::string_view name, Unit& unit) {
-  if (object.parameter == nullptr) {
-    return false;
-  }
-  const KeyParts parts = key_parts(*object.parameter);
-  for (const Unit& other : object.parameter->kind) {
-    if (name == fmt::format("{}.{}", parts.table, files::key_with(parts.name, other.suffix))) {
-      unit = other;
-      return true;
-    }
-  }
-  return false;
+/// The object's name without its unit: "limits.current" of "limits.current_A"
+std::string_view base_name(const KnownObject& object) {
+  std::string_view name = object.name;
+  const std::string_view suffix = object.unit.suffix;
+  name.remove_suffix(suffix.empty() ? 0 : suffix.size() + 1);
+  return name;
 }
 
-std::optional<KnownObject> named(const std::string& name) {
+/// Whether `name` is the name of an object, or that of a live value without "live.".
+bool is_called(std::string_view object, std::string_view name) {
+  return object == name ||
+         (object.starts_with(live_prefix) && object.substr(live_prefix.size()) == name);
+}
+
+std::optional<KnownObject> named(std::string_view name) {
   for (const KnownObject& object : known_objects()) {
-    if (object.name == name) {
+    if (is_called(object.name, name)) {
       return object;
     }
-    KnownObject found = object;
-    if (in_other_unit(object, name, found.unit)) {
-      found.name = name;
-      return found;
+    for (const Unit& other : object.kind) {
+      if (is_called(files::key_with(base_name(object), other.suffix), name)) {
+        return in_unit(object, other);
+      }
     }
   }
   return std::nullopt;
 }
 
+/// A word without a dot may have meant a live value without "live.".
 std::vector<std::string> close_names(std::string_view name) {
+  const bool bare = name.find('.') == std::string_view::npos;
   std::vector<std::string> names;
   for (const KnownObject& object : known_objects()) {
-    names.push_back(object.name);
+    names.push_back(bare && object.name.starts_with(live_prefix)
+                        ? object.name.substr(live_prefix.size())
+                        : object.name);
   }
   return files::similar(name, names);
+}
+
+/// What a name of former versions is called now; the same name where it was not renamed.
+std::string renamed(const std::string& name) {
+  const bool live = name.starts_with(live_prefix);
+  const std::string signal = live ? name.substr(live_prefix.size()) : name;
+  const std::string_view now = renamed_signal(signal);
+  return !now.empty() ? fmt::format("{}{}", live ? live_prefix : "", now)
+                      : files::renamed_key(name);
 }
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes) {
@@ -132,11 +147,21 @@ std::int64_t sign_extended(std::span<const std::uint8_t> bytes) {
   return static_cast<std::int64_t>(canopen::take_number(bytes) << shift) >> shift;
 }
 
-/// The shortest text of a number in a unit. In SI it is exact.
+/// The shortest text that gives this float when it is read in this unit.
 std::string real_text(float value, const Unit& unit) {
-  return unit.factor == 1 && unit.offset == 0
-             ? fmt::format("{}", value)
-             : fmt::format("{:.7g}", unit.from_si(static_cast<double>(value)));
+  if (!std::isfinite(value) || (unit.factor == 1 && unit.offset == 0)) {
+    return fmt::format("{}", value);
+  }
+  constexpr int most_digits = 15;
+  const double exact = unit.from_si(static_cast<double>(value));
+  double rounded = exact;
+  for (int digits = 1; digits <= most_digits; ++digits) {
+    rounded = std::stod(fmt::format("{:.{}g}", exact, digits));
+    if (static_cast<float>(unit.to_si(rounded)) == value) {
+      break;
+    }
+  }
+  return fmt::format("{}", rounded);
 }
 
 [[noreturn]] void bad_value(const KnownObject& object, const std::string& text,
@@ -187,12 +212,16 @@ bool is_choice(const KnownObject& object) {
 }
 
 float real(const KnownObject& object, const std::string& text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size()) {
-    bad_value(object, text, "a number");
+  const std::optional<Quantity> quantity = quantity_of(text);
+  const std::optional<Unit> unit =
+      quantity ? quantity->unit_in(object.kind, object.unit) : std::nullopt;
+  if (!unit) {
+    const std::string units = suffixes_text(object.kind);
+    bad_value(object, text,
+              units.empty() ? "a number"
+                            : fmt::format("a number, or one with a unit behind it: {}", units));
   }
-  return static_cast<float>(object.unit.to_si(number));
+  return static_cast<float>(unit->to_si(quantity->number));
 }
 
 std::vector<std::uint8_t> octets(const KnownObject& object, std::string_view text) {
@@ -230,12 +259,7 @@ KnownObject find_object(const std::string& text) {
   if (const std::optional<KnownObject> object = named(text)) {
     return *object;
   }
-  constexpr std::string_view live = "live.";
-  const std::string now =
-      text.starts_with(live)
-          ? fmt::format("{}{}", live, renamed_signal(std::string_view(text).substr(live.size())))
-          : files::renamed_key(text);
-  if (named(now)) {
+  if (const std::string now = renamed(text); named(now)) {
     throw files::UserError(fmt::format("{}: is now called {}", text, now));
   }
   const std::vector<std::string> close = close_names(text);
@@ -245,6 +269,27 @@ KnownObject find_object(const std::string& text) {
                         "PARAMETERS.md, or INDEX:SUB, such as 2100:1",
                         text)
           : fmt::format("{}: no such object; did you mean {}?", text, fmt::join(close, ", ")));
+}
+
+KnownObject find_quantity(const std::string& text, bool& unitless) {
+  unitless = false;
+  Key key{};
+  if (!read_key(text, key) && !named(text)) {
+    for (const KnownObject& object : known_objects()) {
+      if (!object.unit.suffix.empty() && is_called(base_name(object), text)) {
+        unitless = true;
+        return object;
+      }
+    }
+  }
+  return find_object(text);
+}
+
+KnownObject in_unit(const KnownObject& object, const Unit& unit) {
+  KnownObject other = object;
+  other.name = files::key_with(base_name(object), unit.suffix);
+  other.unit = unit;
+  return other;
 }
 
 std::string title(const KnownObject& object) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <iterator>
 
 #include "firmware/canopen/servo/drive_objects.hpp"
 #include "firmware/signals.hpp"
@@ -20,6 +21,11 @@ constexpr std::int64_t poll_us = 20'000;
 
 void set(Remote& remote, const std::string& name, auto value) {
   remote.set(name, fmt::format("{}", value));
+}
+
+/// The signal's name without "live.".
+std::string signal_name(const std::string& name) {
+  return std::string(signal_rows<double>.at(text::signal_row(name)).name);
 }
 
 void set_trigger(Remote& remote, const std::string& trigger) {
@@ -48,11 +54,14 @@ double rows_within(double time_s, double period_s) {
 /// device does, otherwise the result is 0.
 std::size_t first_row(const Recording& recording, const RecordingPlan& plan) {
   const std::size_t sign = plan.trigger.find_first_of("<>");
-  const auto found = std::ranges::find(plan.signals, plan.trigger.substr(0, sign));
-  if (sign == std::string::npos || found == plan.signals.end()) {
+  if (sign == std::string::npos) {
     return 0;
   }
-  const std::vector<double> values = recording.column(*found);
+  const std::string signal = signal_name(plan.trigger.substr(0, sign));
+  if (std::ranges::find(recording.signals, signal) == recording.signals.end()) {
+    return 0;
+  }
+  const std::vector<double> values = recording.column(signal);
   const double level = std::strtod(plan.trigger.c_str() + sign + 1, nullptr);
   const bool rises = plan.trigger[sign] == '>';
   const auto before = static_cast<std::size_t>(rows_within(plan.before_s, recording.period_s));
@@ -161,7 +170,8 @@ void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patienc
 }
 
 Recording read_recording(Remote& remote, const RecordingPlan& plan) {
-  Recording recording{plan.signals, period_of(remote), {}};
+  Recording recording{{}, period_of(remote), {}};
+  std::ranges::transform(plan.signals, std::back_inserter(recording.signals), signal_name);
   set(remote, "recorder.command", 0);
   const Bytes bytes = remote.client().upload_block(text::find_object("recorder.data").key);
   const std::size_t width = 4 * plan.signals.size();

@@ -7,7 +7,7 @@
 namespace smaservo::can {
 
 struct RecordingPlan {
-  std::vector<std::string> signals;  ///< names of firmware/signals.hpp, at most 8
+  std::vector<std::string> signals;  ///< at most 8 of firmware/signals.hpp, with or without "live."
   double seconds = 1;
   double before_s = 0;  ///< the part of `seconds` that lies before the trigger
   std::string trigger;  ///< "wire_temperature_K>350", "drive_current_A<0.1"; empty: recording

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "model/files/error.hpp"
+#include "model/files/message.hpp"
 
 namespace smaservo::can {
 namespace {
@@ -71,7 +72,11 @@ std::vector<double> Recording::column(const std::string& signal) const {
 }
 
 std::string to_csv(const Recording& recording) {
-  std::string text = fmt::format("time_s,{}\n", fmt::join(recording.signals, ","));
+  std::string text;
+  for (const std::string& comment : recording.comments) {
+    text += fmt::format("# {}\n", files::printable(comment));
+  }
+  text += fmt::format("time_s,{}\n", fmt::join(recording.signals, ","));
   for (std::size_t i = 0; i < recording.rows.size(); ++i) {
     text += fmt::format("{:.9g}", static_cast<double>(i) * recording.period_s);
     for (const double value : recording.rows[i]) {
@@ -85,11 +90,16 @@ std::string to_csv(const Recording& recording) {
 Recording load_recording(const std::string& path) {
   std::ifstream in(path);
   std::string line;
-  if (!std::getline(in, line) || !line.starts_with("time_s,")) {
-    throw files::UserError(
-        fmt::format("{}: is not a recording: its first line must begin with time_s,", path));
-  }
+  unsigned number = 1;
   Recording recording;
+  while (std::getline(in, line) && line.starts_with('#')) {
+    recording.comments.push_back(line.substr(std::min(line.find_first_not_of("# "), line.size())));
+    ++number;
+  }
+  if (!line.starts_with("time_s,")) {
+    throw files::UserError(fmt::format(
+        "{}: is not a recording: its first line without # must begin with time_s,", path));
+  }
   // The appended comma preserves an empty last field.
   std::istringstream header(line.substr(line.find(',') + 1) + ",");
   for (std::string name; std::getline(header, name, ',');) {
@@ -99,7 +109,7 @@ Recording load_recording(const std::string& path) {
     throw files::UserError(fmt::format("{}: each column needs the name of a signal", path));
   }
   double last_s = 0;
-  for (unsigned number = 2; std::getline(in, line); ++number) {
+  for (++number; std::getline(in, line); ++number) {
     std::istringstream fields(line + ",");
     std::vector<double> row;
     for (std::string field; std::getline(fields, field, ',');) {

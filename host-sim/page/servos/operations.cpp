@@ -31,9 +31,6 @@ constexpr Key watch_key{0x2002, 1};
 constexpr Key tuning_command_key{0x2102, 1};
 constexpr double longest_step_s = 600;
 
-/// The groups of parameters that shape the response of a step test; its message contains them.
-constexpr const char* groups_of_gains[] = {"strain.", "trajectory.", "drive.", "limits."};
-
 std::uint32_t whole(can::Remote& remote, Key key) {
   return static_cast<std::uint32_t>(canopen::take_number(remote.client().upload(key)));
 }
@@ -352,10 +349,8 @@ Operations::Step Operations::step(Servo& servo, Control::Ticket ticket, std::int
                     {"peak_K", number(result.peak_K)}};
   for (std::size_t row = 0; row < parameter_count; ++row) {
     const std::string_view path = parameters<double>[row].path.text();
-    const bool shapes = std::ranges::any_of(
-        groups_of_gains, [&](const char* group) { return path.starts_with(group); });
     const std::optional<Value> value = servo.parameters->get(row);
-    if (!shapes || !value) {
+    if (!can::shapes_step(path) || !value) {
       continue;
     }
     answer.gains[std::string(path)] = json::parse(parameter_json(parameters<double>[row], *value));

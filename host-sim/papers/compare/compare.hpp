@@ -8,6 +8,7 @@
 
 #include "host-sim/papers/compare/system.hpp"
 #include "host-sim/replay/error_statistics.hpp"
+#include "host-sim/units.hpp"
 #include "model/files/wire/wire_file.hpp"
 
 namespace smaservo::compare {
@@ -56,6 +57,6 @@ Comparison compare(const files::WireDescription& from, std::vector<identify::Run
 std::string comparison_text(const Comparison& comparison);
 std::string comparison_json(const Comparison& comparison);
 /// Throws UserError.
-void write_comparison_report(const std::string& path, const Comparison& comparison);
+void write_comparison_report(const std::string& path, const Comparison& comparison, Units units);
 
 }  // namespace smaservo::compare

@@ -23,6 +23,7 @@ struct CompareArguments {
   std::string from{files::default_wire};
   std::vector<std::string> settings, columns, allowed;
   std::string out, report;
+  Units units = Units::bench;
   bool json = false;
   int threads = 0;  ///< 0: as many as there are cores
   std::optional<double> stress_MPa, load_N;
@@ -123,7 +124,7 @@ void run(const CompareArguments& a) {
     file.commit();
   }
   if (!a.report.empty()) {
-    write_comparison_report(a.report, comparison);
+    write_comparison_report(a.report, comparison, a.units);
   }
   files::print(a.json ? comparison_json(comparison) : comparison_text(comparison),
                a.out == "-" || a.report == "-" ? stderr : stdout);
@@ -159,7 +160,7 @@ void add_compare_command(CLI::App& app) {
   command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")
       ->excludes("--load-N");
   command->add_option("--out", a->out, "numbers as JSON");
-  command->add_option("--report", a->report, "report as one HTML file");
+  add_report_options(*command, a->report, a->units);
   command->add_flag("--json", a->json, "print the numbers as JSON");
   command->callback([a] { run(*a); });
 }

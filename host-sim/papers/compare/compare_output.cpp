@@ -264,7 +264,7 @@ std::string comparison_json(const Comparison& comparison) {
   return files::json_text(json);
 }
 
-void write_comparison_report(const std::string& path, const Comparison& comparison) {
+void write_comparison_report(const std::string& path, const Comparison& comparison, Units units) {
   std::vector<report::Panel> plots;
   for (std::size_t t = 0; t < comparison.tests.size(); ++t) {
     for (report::Panel& panel : TestPanels(comparison, t).all()) {
@@ -274,7 +274,7 @@ void write_comparison_report(const std::string& path, const Comparison& comparis
   report::write_html(path, "Systems compared",
                      fmt::format("<p>{}</p>\n", files::escaped(heading(comparison))) +
                          table_of(comparison, true).html() + remarks_html(comparison) +
-                         report::plots_html(plots));
+                         report::plots_html(plots, units));
 }
 
 }  // namespace smaservo::compare

@@ -207,7 +207,7 @@ report::Panel overlay(const Tuned& t, bool heating) {
 
 }  // namespace
 
-void write_tune_report(const std::string& path, const Tuned& t) {
+void write_tune_report(const std::string& path, const Tuned& t, Units units) {
   const StepPanels steps(t.expected);
   std::vector<report::Panel> plots{
       steps.panel("Steps of the strain", "strain in %", 360, &ExpectedRun::strain,
@@ -226,7 +226,8 @@ void write_tune_report(const std::string& path, const Tuned& t) {
     }
   }
   report::write_html(path, "tune " + t.wire,
-                     report::listing_html("Proposal", tuned_text(t)) + report::plots_html(plots) +
+                     report::listing_html("Proposal", tuned_text(t)) +
+                         report::plots_html(plots, units) +
                          report::listing_html("Settings", tuned_toml(t)));
 }
 

@@ -1,12 +1,18 @@
 #include <array>
 #include <cmath>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <random>
+#include <sstream>
 #include <utility>
 
+#include "firmware/signals.hpp"
+#include "firmware/text/signal_names.hpp"
 #include "host-sim/can/bus/network.hpp"
 #include "host-sim/can/bus/recorder.hpp"
+#include "host-sim/can/outcome.hpp"
 #include "host-sim/can/settings.hpp"
+#include "host-sim/can/shown.hpp"
 #include "host-sim/can/status.hpp"
 #include "host-sim/can/step_test.hpp"
 #include "host-sim/can/watch.hpp"
@@ -33,6 +39,36 @@ struct CanClient : testing::Test {
     const std::int64_t until_us = bus.now_us() + static_cast<std::int64_t>(seconds * 1e6);
     while (bus.receive(passing, until_us)) {
     }
+  }
+  static Change change(const char* name, const char* value) {
+    const text::KnownObject object = text::find_object(name);
+    return {object, text::value_bytes(object, value)};
+  }
+  std::string remarks;  ///< of all calls of watched()
+  std::string watched(const WatchPlan& plan, bool in_place = false) {
+    std::string text;
+    watch(
+        remote, plan, in_place, [&](const std::string& part) { text += part; },
+        [&](const std::string& remark) { remarks += remark; });
+    return text;
+  }
+  /// The header and the numbers of one row.
+  std::pair<std::vector<std::string>, std::vector<double>> watched_row(
+      const std::vector<std::string>& names, Units units) {
+    std::istringstream lines(watched({names, 0.05, 1, "", units}));
+    std::pair<std::vector<std::string>, std::vector<double>> row;
+    std::string line;
+    std::getline(lines, line);
+    std::istringstream header(line);
+    for (std::string field; std::getline(header, field, ',');) {
+      row.first.push_back(field);
+    }
+    std::getline(lines, line);
+    std::istringstream fields(line);
+    for (std::string field; std::getline(fields, field, ',');) {
+      row.second.push_back(std::stod(field));
+    }
+    return row;
   }
   template <class F>
   static std::string refusal(F f) {
@@ -142,10 +178,6 @@ TEST_F(CanClient, BlocksRepeatWhatWasLost) {
 }
 
 TEST_F(CanClient, SetsAreInForceTogetherOrNotAtAll) {
-  const auto change = [](const char* name, const char* value) {
-    const text::KnownObject object = text::find_object(name);
-    return Change(object, text::value_bytes(object, value));
-  };
   remote.change({change("limits.current_mA", "300"), change("strain.proportional_W", "6")});
   EXPECT_EQ(remote.text("limits.current_mA"), "300");
   EXPECT_EQ(remote.number("strain.proportional_W"), 6);
@@ -179,7 +211,7 @@ TEST_F(CanClient, ANodeMayAnswerAnything) {
     const std::string refused = refusal([&] {
       switch (seed % 6) {
         case 0:
-          info_text(other);
+          info_text(other, Units::bench);
           break;
         case 1:
           faults_text(other);
@@ -244,11 +276,11 @@ TEST_F(CanClient, JudgesAStep) {
   EXPECT_EQ(static_cast<unsigned>(remote.number("6041")) & 0x4FU, 0x40U);
   // What a file keeps gives the same figures.
   const test::TemporaryFolder folder;
-  const std::string file = folder.write("step.csv", to_csv(step.recording));
+  const std::string file = folder.write("step.csv", step_csv(step));
   const StepResult again = judge(load_step(file));
   EXPECT_NEAR(again.figures.rise_s, result.figures.rise_s, 1e-6);
   EXPECT_NEAR(again.figures.error_percent, result.figures.error_percent, 0.01);
-  EXPECT_THAT(step_text({step}, {"now"}), HasSubstr("now"));
+  EXPECT_THAT(step_text({step}, {"now"}, Units::bench), HasSubstr("now"));
   // Runs lie over each other, whatever their lengths.
   StepRun shorter = step;
   shorter.recording.rows.resize(shorter.recording.rows.size() / 2);
@@ -256,10 +288,11 @@ TEST_F(CanClient, JudgesAStep) {
     row[1] += 100e-6;
   }
   shorter.recording.rows.front()[1] -= 50e-6;
-  const std::string both = step_text({step, shorter}, {"now", "before"});
+  const std::string both = step_text({step, shorter}, {"now", "before"}, Units::bench);
   EXPECT_THAT(both, HasSubstr("um: * now, . before\n"));
   EXPECT_THAT(both.substr(both.find("um: *")), HasSubstr(" |"));
-  EXPECT_GT(std::ranges::count(both.substr(both.find('|')), '.'), 5);
+  const std::string drawn = both.substr(both.find('|'), both.rfind('|') - both.find('|'));
+  EXPECT_GT(std::ranges::count(drawn, '.'), 5);
 }
 
 TEST_F(CanClient, ARecordingThatSomebodyElseStopsIsNotWhole) {
@@ -306,16 +339,351 @@ TEST_F(CanClient, FindsWhoIsThere) {
   EXPECT_EQ(found.nodes[0].node, SimulatedBus::node);
   EXPECT_EQ(found.nodes[0].device_type & 0xFFFFU, 402U);
   EXPECT_FALSE(found.without_id);
-  EXPECT_THAT(info_text(remote), HasSubstr("Switch on disabled"));
+  EXPECT_THAT(info_text(remote, Units::bench), HasSubstr("Switch on disabled"));
   EXPECT_THAT(faults_text(remote), HasSubstr("latched     none"));
 }
 
 TEST_F(CanClient, WatchShowsRows) {
+  EXPECT_THAT(watched({{"live.wire_temperature_K", "6041"}, 0.05, 3, "live.wire_temperature_K"}),
+              testing::AllOf(testing::StartsWith("time_s,live.wire_temperature_K,Statusword\n0.0"),
+                             HasSubstr("\n0.10")));
+}
+
+// A name without a unit gets that of the choice, one with a unit keeps it, and both say the same
+// in SI.
+TEST_F(CanClient, WatchShowsTheChosenUnits) {
+  const std::vector<std::string> names{
+      "position", "live.wire_temperature", "stress",        "limits.current",
+      "strain",   "live.stress_kPa",       "limits.power_W"};
+  const auto [bench_names, bench] = watched_row(names, Units::bench);
+  EXPECT_THAT(bench_names,
+              testing::ElementsAre("time_s", "live.position_um", "live.wire_temperature_degC",
+                                   "live.stress_MPa", "limits.current_mA", "live.strain_percent",
+                                   "live.stress_kPa", "limits.power_W"));
+  const auto [si_names, si] = watched_row(names, Units::si);
+  EXPECT_THAT(si_names, testing::ElementsAre("time_s", "live.position_m", "live.wire_temperature_K",
+                                             "live.stress_Pa", "limits.current_A", "live.strain",
+                                             "live.stress_kPa", "limits.power_W"));
+  for (std::size_t i = 1; i < bench_names.size(); ++i) {
+    const text::KnownObject object = text::find_object(bench_names[i]);
+    const text::KnownObject other = text::find_object(si_names[i]);
+    EXPECT_EQ(object.key, other.key);
+    const double value = object.unit.to_si(bench[i]);
+    const double same = other.unit.to_si(si[i]);
+    EXPECT_NEAR(value, same, 1e-3 * std::abs(same) + 1e-5) << bench_names[i];
+  }
+}
+
+// A set-point is in the unit of its mode. Where that changes, no number stands under a wrong unit.
+TEST_F(CanClient, WatchShowsSetPointsInTheUnitOfTheMode) {
+  EXPECT_TRUE(watched({{"setpoint"}, 0.05, 1, ""}).starts_with("time_s,live.setpoint\n"));
+  EXPECT_THAT(remarks, HasSubstr("in the SI unit of the mode, which is not known"));
+  EXPECT_THAT(watched({{"setpoint"}, 0.05, 1, ""}, true),
+              HasSubstr("in the SI unit of the mode, which is not known"));
+  run(0.5);
+  remote.enable();
+  remote.move(700, 5);
+  const auto [names, values] = watched_row({"setpoint", "reference"}, Units::bench);
+  EXPECT_THAT(names, testing::ElementsAre("time_s", "live.setpoint_um", "live.reference_um"));
+  EXPECT_NEAR(values[1], 700, 1);
+  EXPECT_THAT(watched({{"setpoint"}, 0.05, 1, "", Units::si}), HasSubstr("live.setpoint_m\n"));
+  int shown = 0;
   std::string text;
-  watch(remote, {{"live.wire_temperature_K", "6041"}, 0.05, 3, "live.wire_temperature_K"}, false,
-        [&](const std::string& part) { text += part; });
-  EXPECT_TRUE(text.starts_with("time_s,live.wire_temperature_K,Statusword\n0.0"));
-  EXPECT_THAT(text, HasSubstr("\n0.10"));
+  watch(
+      remote, {{"setpoint"}, 0.05, 3, ""}, false,
+      [&](const std::string& part) {
+        text += part;
+        if (++shown == 2) {
+          remote.set("6060", "-3");
+          run(0.1);
+        }
+      },
+      [&](const std::string& remark) { remarks += remark; });
+  EXPECT_THAT(text, testing::EndsWith(",\n"));
+  EXPECT_THAT(text, HasSubstr("time_s,live.setpoint_um\n"));
+  EXPECT_THAT(remarks, HasSubstr("live.setpoint_um: empty from"));
+}
+
+// The line is there exactly while a position loop has no gain.
+TEST_F(CanClient, WatchSaysThatThePidDoesNothing) {
+  constexpr const char* line = "PID gains 0, the inverse model alone drives";
+  const auto table = [&] { return watched({{"position"}, 0.05, 1, ""}, true); };
+  EXPECT_THAT(table(), testing::Not(HasSubstr(line))) << "no mode is set";
+  run(0.5);
+  remote.enable();
+  remote.set_profile_position();
+  EXPECT_THAT(table(), HasSubstr(line));
+  remote.set("strain.proportional_W", "0.5");
+  EXPECT_THAT(table(), testing::Not(HasSubstr(line)));
+  remote.set("strain.proportional_W", "0");
+  remote.set_mode(-3);
+  EXPECT_THAT(table(), testing::Not(HasSubstr(line)));
+}
+
+TEST_F(CanClient, SaysWhatIsSoNow) {
+  run(0.5);
+  remote.enable();
+  EXPECT_EQ(enabled_text(remote),
+            "enabled: may be heated until 5 s after the last command (`can hold` keeps it)\n");
+  remote.set("command_source.timeout_s", "2.5");
+  EXPECT_THAT(enabled_text(remote), HasSubstr("until 2.5 s after the last command"));
+  remote.move(800, 5);
+  const std::string at = remote.text("6064");
+  EXPECT_EQ(moved_text(remote, 800, 0.417, Units::bench),
+            fmt::format("at {} um after 0.42 s (target 800 um)\n", at));
+  EXPECT_THAT(moved_text(remote, 800, 0.417, Units::si), HasSubstr("(target 0.0008 m)"));
+  remote.set("1400:5", "500");
+  EXPECT_THAT(enabled_text(remote), HasSubstr("while the RPDO of 1400h comes"));
+  remote.set("1016:2", std::to_string((9U << 16U) + 500));
+  EXPECT_THAT(enabled_text(remote), HasSubstr("while the watched heartbeats (1016h) come"));
+  remote.disable();
+  EXPECT_THAT(disabled_text(remote, Units::bench),
+              testing::MatchesRegex("disabled: current off, the wire relaxes from [-0-9]+ um, "
+                                    "[.0-9]+ degC\n"));
+  EXPECT_THAT(faults_reset_text(remote, {}), HasSubstr("no fault was latched"));
+  EXPECT_THAT(faults_reset_text(remote, FaultSet(Fault::wire_open)),
+              HasSubstr("acknowledged: wire_open; the wire's state is ready"));
+  remote.nmt(NmtCommand::start);
+  EXPECT_THAT(started_text(remote), HasSubstr("operational: node 5"));
+  remote.nmt(NmtCommand::reset_node);
+  EXPECT_THAT(restarted_text(remote), HasSubstr("reset: node 5 has started anew after 0.0"));
+  EXPECT_THAT(restarted_text(remote), HasSubstr("has not reported its start within 3 s"));
+}
+
+TEST_F(CanClient, SaysOldAndNewValues) {
+  const std::vector<Change> changes{change("strain.proportional_W", "0.5"),
+                                    change("limits.current_mA", "400"), change("6060", "1")};
+  const std::vector<Bytes> before = values_before(remote, changes);
+  EXPECT_EQ(changed_text(changes, before),
+            "strain.proportional_W: 0 -> 0.5\nlimits.current_mA: stays 400\n"
+            "Modes of operation: 0 -> 1\n");
+  const Settings<double> file = read_settings(remote);
+  remote.set("limits.power_W", "1.25");
+  const auto all = differences(file, read_settings(remote));
+  const text::KnownObject power = text::find_object("limits.power_mW");
+  EXPECT_EQ(restored_text(all, Units::bench),
+            fmt::format("limits.power_mW: 1250 -> {}\n",
+                        text::value_text(power, bytes_of(power, all.front().here))));
+  EXPECT_TRUE(restored_text(all, Units::si).starts_with("limits.power_W: 1.25 -> "));
+}
+
+// A trial is in force at once, ends as if it had never been, and stays when it is kept.
+TEST_F(CanClient, TrialsAreKeptOrTakenBack) {
+  run(0.1);
+  const std::vector<Change> changes{change("limits.current_mA", "300"),
+                                    change("strain.proportional_W", "6")};
+  const auto values = [&] {
+    return std::pair(remote.text("limits.current_mA"), remote.text("strain.proportional_W"));
+  };
+  const auto before = values();
+  const std::pair<std::string, std::string> tried("300", "6");
+  for (const char* const verb : {"keep", "revert"}) {
+    EXPECT_THAT(
+        refusal([&] { verb == std::string("keep") ? keep_trial(remote) : revert_trial(remote); }),
+        HasSubstr(fmt::format("node 5 has no trial to {}", verb)));
+  }
+  EXPECT_THAT(begin_trial(remote, changes, 30),
+              testing::AllOf(HasSubstr("limits.current_mA: 400 -> 300\n"),
+                             HasSubstr("strain.proportional_W: 0 -> 6\n"),
+                             HasSubstr("\ntuning.client_timeout_s: 5 -> 30, "),
+                             HasSubstr("\non trial for 30 s, until ")));
+  EXPECT_EQ(values(), tried);
+  EXPECT_THAT(refusal([&] { begin_trial(remote, changes, 30); }),
+              testing::AllOf(HasSubstr("node 5 has a trial already, for "), HasSubstr("keep")));
+  EXPECT_THAT(revert_trial(remote), HasSubstr("reverted, "));
+  EXPECT_EQ(values(), before);
+  begin_trial(remote, changes, 0.5);
+  run(0.4);
+  EXPECT_EQ(values(), tried);
+  run(0.2);
+  EXPECT_EQ(values(), before) << "it ends by itself";
+  EXPECT_THAT(refusal([&] { keep_trial(remote); }), HasSubstr("no trial to keep"));
+  // It lasts although nobody asks the node for longer than its usual patience.
+  EXPECT_EQ(remote.number("tuning.client_timeout_s"), 5);
+  EXPECT_THAT(begin_trial(remote, changes, 8), HasSubstr("tuning.client_timeout_s: 5 -> 8"));
+  run(7.5);
+  EXPECT_EQ(values(), tried);
+  EXPECT_THAT(revert_trial(remote), HasSubstr("tuning.client_timeout_s: 8 -> 5"));
+  EXPECT_EQ(remote.number("tuning.client_timeout_s"), 5);
+  begin_trial(remote, changes, 6);
+  run(7);
+  EXPECT_EQ(values(), before);
+  EXPECT_THROW(keep_trial(remote), files::UserError);
+  EXPECT_EQ(remote.number("tuning.client_timeout_s"), 5)
+      << "also after a trial that ended by itself";
+  remote.set("tuning.client_timeout_s", "60");
+  EXPECT_THAT(begin_trial(remote, changes, 8), testing::Not(HasSubstr("client_timeout")));
+  EXPECT_THAT(revert_trial(remote), testing::Not(HasSubstr("client_timeout")));
+  EXPECT_EQ(remote.number("tuning.client_timeout_s"), 60) << "it was set by somebody else";
+  begin_trial(remote, changes, 0.5);
+  EXPECT_THAT(keep_trial(remote), HasSubstr("kept, 0."));
+  run(1);
+  EXPECT_EQ(values(), tried);
+}
+
+TEST_F(CanClient, ATrialIsWholeOrNothing) {
+  const std::string why = refusal([&] {
+    begin_trial(remote, {change("limits.current_A", "0.3"), change("limits.min_strain", "0.05")},
+                30);
+  });
+  EXPECT_THAT(why, HasSubstr("nothing has changed: limits.m"));
+  EXPECT_THAT(refusal([&] { begin_trial(remote, {change("trips.current_A", "0.7")}, 30); }),
+              HasSubstr("trips.current_A (2021h:1): cannot be tried"));
+  EXPECT_EQ(remote.text("limits.current_mA"), "400");
+  EXPECT_THAT(refusal([&] { keep_trial(remote); }), HasSubstr("no trial to keep"));
+  EXPECT_THAT(refusal([&] { begin_trial(remote, {change("6060", "1")}, 30); }),
+              HasSubstr("6060h:0): is no parameter"));
+  remote.set("tuning.command", "1");
+  EXPECT_THAT(refusal([&] { begin_trial(remote, {change("limits.power_W", "1")}, 30); }),
+              HasSubstr("somebody else is writing a set of changes"));
+}
+
+// A step's file has the gains that were in force; one without them says so.
+TEST_F(CanClient, StepsKeepTheirGains) {
+  remote.set("strain.proportional_W", "0.5");
+  const auto first = read_gains(remote);
+  remote.set("strain.proportional_W", "2");
+  const auto second = read_gains(remote);
+  EXPECT_EQ(first.size(), second.size());
+  EXPECT_EQ(first.at("strain.proportional_W"), "0.5");
+  EXPECT_TRUE(first.contains("trajectory.feed_forward_s"));
+  EXPECT_TRUE(first.contains("limits.current_A"));
+  EXPECT_FALSE(first.contains("wire.length_m"));
+  StepRun run{{}, {{"setpoint", "position_m", "wire_temperature_K", "drive_current_A"}, 0.01, {}}};
+  for (int i = 0; i < 100; ++i) {
+    const double way_m = i < 10 || i >= 60 ? 0 : 500e-6;
+    run.recording.rows.push_back({way_m, way_m, 300, 0.1});
+  }
+  const test::TemporaryFolder folder;
+  const auto kept = [&](const std::map<std::string, std::string>& gains) {
+    StepRun one = run;
+    one.gains = gains;
+    return load_step(folder.write("step.csv", step_csv(one)));
+  };
+  EXPECT_EQ(kept(first).gains, first);
+  EXPECT_EQ(kept(first).recording.rows, run.recording.rows);
+  EXPECT_TRUE(kept({}).gains.empty());
+  const std::string text =
+      step_text({kept(second), kept(first), kept({})}, {"three", "two", "one"}, Units::bench);
+  EXPECT_THAT(text, HasSubstr("one: gains not recorded\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("gains that differ  *three  *two\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("strain.proportional_W  *2  *0.5\n"));
+  const std::size_t same = text.find("the same in all:");
+  ASSERT_NE(same, std::string::npos);
+  EXPECT_EQ(text.find("proportional_W", same), std::string::npos);
+  EXPECT_THAT(text.substr(same), HasSubstr("\nstrain      cooling_factor "));
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_LE(line.size(), 80U) << line;
+  }
+  EXPECT_THAT(step_text({kept(first)}, {"now"}, Units::si),
+              testing::AllOf(HasSubstr("\ngains:\n"), HasSubstr("proportional_W 0.5"),
+                             HasSubstr("peak K"), HasSubstr("contraction, m: * now")));
+}
+
+// A recording is the same by both spellings of its signals.
+TEST_F(CanClient, RecordsBySignalsAndByLiveValues) {
+  const RecordingPlan plan{
+      {"live.wire_temperature_K", "strain"}, 0.1, 0.02, "live.wire_temperature_K>200"};
+  arm_recorder(remote, plan);
+  EXPECT_EQ(remote.number("recorder.trigger_signal"), remote.number("recorder.channel_1"));
+  remote.set("recorder.command", "2");
+  wait_for_recorder(remote, plan, 5);
+  const Recording recording = read_recording(remote, plan);
+  EXPECT_THAT(recording.signals, testing::ElementsAre("wire_temperature_K", "strain"));
+  EXPECT_THAT(refusal([&] { arm_recorder(remote, {{"live.wire_temperatur_K"}, 1, 0, ""}); }),
+              HasSubstr("did you mean wire_temperature_K?"));
+}
+
+TEST(CanObjects, LiveValuesHaveTwoSpellings) {
+  for (std::size_t i = 0; i < signal_count; ++i) {
+    const std::string name(signal_rows<double>[i].name);
+    for (const std::string& spelling : {name, "live." + name}) {
+      EXPECT_EQ(text::find_object(spelling).key, (Key{live_values, sub_of(i)})) << spelling;
+      EXPECT_EQ(text::find_object(spelling).name, "live." + name);
+      EXPECT_EQ(text::signal_row(spelling), i);
+    }
+    for (const Unit& unit : text::signal_kind(i)) {
+      const text::KnownObject object = text::in_unit(text::find_object(name), unit);
+      EXPECT_EQ(text::find_object(object.name).key, object.key) << object.name;
+      EXPECT_EQ(text::find_object(object.name).unit.suffix, unit.suffix) << object.name;
+    }
+  }
+  EXPECT_THAT(
+      [] { text::find_object("wire_temperatur_K"); },
+      testing::ThrowsMessage<files::UserError>(HasSubstr("did you mean wire_temperature_K")));
+  EXPECT_THAT(
+      [] { text::find_object("temperature_K"); },
+      testing::ThrowsMessage<files::UserError>("temperature_K: is now called wire_temperature_K"));
+}
+
+TEST(CanObjects, ValuesHaveUnitsBehindThem) {
+  const text::KnownObject limit = text::find_object("limits.temperature_K");
+  for (const char* const text : {"393.15", "120degC", "120 degC", "393.15K"}) {
+    EXPECT_EQ(text::value_bytes(limit, text), real_bytes(393.15F)) << text;
+  }
+  const text::KnownObject strain = text::find_object("limits.max_strain");
+  EXPECT_EQ(text::value_bytes(strain, "4%"), real_bytes(0.04F));
+  EXPECT_EQ(text::value_bytes(strain, "4percent"), real_bytes(0.04F));
+  for (const char* const text : {"120mA", "120degF", "degC", "120 degC ", "1e400K"}) {
+    EXPECT_THAT([&] { text::value_bytes(limit, text); },
+                testing::ThrowsMessage<files::UserError>(
+                    HasSubstr("must be a number, or one with a unit behind it: K, degC")))
+        << text;
+  }
+}
+
+// The text in any unit is short, and gives the same float.
+TEST(CanObjects, TextsInAnyUnitComeBack) {
+  const text::KnownObject kelvin = text::find_object("limits.temperature_K");
+  const text::KnownObject degree = text::find_object("limits.temperature_degC");
+  EXPECT_EQ(text::value_text(degree, text::value_bytes(degree, "90")), "90");
+  EXPECT_EQ(text::value_text(degree, text::value_bytes(kelvin, "300")), "26.85");
+  std::mt19937 random(1);
+  for (const text::KnownObject& object : text::known_objects()) {
+    for (const Unit& unit : object.kind) {
+      const text::KnownObject other = text::in_unit(object, unit);
+      const Bytes bytes = real_bytes(static_cast<float>(random() % 100'000) *
+                                     std::ldexp(1.F, -static_cast<int>(random() % 10)));
+      EXPECT_EQ(text::value_bytes(other, text::value_text(other, bytes)), bytes) << other.name;
+    }
+  }
+}
+
+TEST(CanPositions, AreReadInAnyUnitOfLength) {
+  for (const char* const text : {"1000", "1mm", "1000um", "0.001m", "1 mm", "1e3"}) {
+    EXPECT_EQ(position_um(text, Units::bench), 1000) << text;
+  }
+  EXPECT_EQ(position_um("0.001", Units::si), 1000);
+  EXPECT_EQ(position_um("0.8mm", Units::bench), 800);
+  EXPECT_EQ(position_um("-0.3mm", Units::si), -300);
+  for (std::int32_t um = -2000; um < 2000; um += 7) {
+    EXPECT_EQ(position_um(fmt::format("{}mm", um / 1e3), Units::bench), um);
+    EXPECT_EQ(position_um(fmt::format("{}m", um / 1e6), Units::bench), um);
+  }
+  const auto refused = [](const char* text, const char* why) {
+    EXPECT_THAT([&] { position_um(text, Units::bench); },
+                testing::ThrowsMessage<files::UserError>(HasSubstr(why)))
+        << text;
+  };
+  refused("1inch", "must be a number, alone (um) or with a unit behind it: m, mm, um");
+  refused("1degC", "with a unit behind it: m, mm, um");
+  refused("mm", "must be a number");
+  refused("nan", "must be");
+  refused("0.5", "is 0.5 um, must be a whole number of um");
+  refused("2147483648", "must be -2147483648 to 2147483647 um");
+  refused("3km", "with a unit behind it");
+  refused("3000m", "is 3e+09 um, must be -2147483648 to 2147483647 um");
+}
+
+TEST(CanObjects, NamesWithoutAUnitGetTheChosenOne) {
+  EXPECT_EQ(asked_object("limits.current", Units::bench).name, "limits.current_mA");
+  EXPECT_EQ(asked_object("limits.current", Units::si).name, "limits.current_A");
+  EXPECT_EQ(asked_object("position", Units::bench).name, "live.position_um");
+  EXPECT_EQ(asked_object("limits.current_A", Units::bench).name, "limits.current_A");
+  EXPECT_EQ(asked_object("live.strain", Units::bench).name, "live.strain");
+  EXPECT_EQ(asked_object("6041", Units::bench).name, "Statusword");
+  EXPECT_THROW(asked_object("limits.currnt", Units::bench), files::UserError);
 }
 
 TEST(CanObjects, AreFoundByNameUnitAndKey) {
@@ -354,6 +722,10 @@ TEST(CanTextPlot, DrawsARise) {
   EXPECT_EQ(report::text_plot({values, {2, 2, 2, 0}}, 10, 3),
             "         2 |..*\n           | *\n         0 |*  .\n");
   EXPECT_EQ(report::text_plot({}, 10, 3), "");
+  // No label moves the plot to the right.
+  for (const double value : {-3.64505e-07, 0.000501024, -1234567.8, 1e-300, 123456.0}) {
+    EXPECT_EQ(report::text_plot({{value}}, 10, 3).find(" |"), 10U) << value;
+  }
 }
 
 TEST(CanFrames, AreSaidInWords) {

@@ -38,7 +38,7 @@ const Report& report() {
     r.options.observers = {"kalman", "open-loop", "line"};
     r.options.settings = {{"observer.loss_walk", "0.0123"}};
     r.result = replay::replay(r.options);
-    replay::write_report(folder / "r.html", r.options, r.result);
+    replay::write_report(folder / "r.html", r.options, r.result, Units::bench);
     EXPECT_EQ(folder.names().size(), 2U) << "one file and nothing beside it";
     r.html = file_text(folder / "r.html");
     return r;
@@ -188,7 +188,7 @@ TEST(Report, SaysWhenThereIsNoReferenceAndNoTime) {
   }
   const replay::ReplayOptions options = replay_options(folder.write("t.csv", text), "b");
   const replay::ReplayResult result = replay::replay(options);
-  replay::write_report(folder / "r.html", options, result);
+  replay::write_report(folder / "r.html", options, result, Units::bench);
   const std::string html = file_text(folder / "r.html");
   EXPECT_THAT(html, HasSubstr("The trace has no reference"));
   EXPECT_EQ(pictures(html).size(), 7U);
@@ -200,14 +200,14 @@ TEST(Report, ASingleRowIsEnough) {
   const TemporaryFolder folder;
   const replay::ReplayOptions options = replay_options(
       folder.write("t.csv", "time_s,current_A,voltage_V,load_N\n0,0.05,1.2,0.9\n"), "b");
-  replay::write_report(folder / "r.html", options, replay::replay(options));
+  replay::write_report(folder / "r.html", options, replay::replay(options), Units::bench);
   EXPECT_EQ(pictures(file_text(folder / "r.html")).size(), 7U);
 }
 
 TEST(Report, NothingIsWrittenWhereItCannotBe) {
   const TemporaryFolder folder;
   const Report& r = report();
-  EXPECT_THROW(replay::write_report(folder / "missing/r.html", r.options, r.result),
+  EXPECT_THROW(replay::write_report(folder / "missing/r.html", r.options, r.result, Units::bench),
                files::UserError);
   EXPECT_TRUE(folder.names().empty());
 }

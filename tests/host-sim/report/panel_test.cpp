@@ -1,5 +1,6 @@
 #include "host-sim/report/panel.hpp"
 
+#include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
@@ -147,8 +148,102 @@ TEST(PanelsJson, IsBoundedAndKeepsPeaks) {
   EXPECT_THAT(json["columns"][1].get<std::vector<double>>(), ::testing::Contains(9));
 }
 
+/// A panel with a unit on each axis, whose columns are shared.
+Panel loop(const report::Column& time, const report::Column& temperature,
+           const report::Column& stress) {
+  Panel panel{.x = {.label = "temperature in °C", .min = 20, .max = 100, .ticks = {{50, "half"}}},
+              .y = {.label = "stress in MPa", .min = 0},
+              .right = {.label = "share in %"},
+              .follows = "time"};
+  panel.series = {{.colour = "ink", .x = temperature, .y = stress, .low = stress, .at = time},
+                  {.colour = "ink", .x = temperature, .y = time, .right = true},
+                  {.colour = "fault", .kind = Kind::spans, .x = temperature, .y = temperature}};
+  panel.rules = {{150, "", "ink"}, {90, "", "ink", true}};
+  panel.notes = {{25, 100, "note"}};
+  return panel;
+}
+
+TEST(Panels, AreInTheChosenUnits) {
+  const report::Column time = report::column({0, 1});
+  const report::Column temperature = report::column({20, nan});
+  const report::Column stress = report::column({150, 200});
+  const Panel linked{.x = {.label = "time in s"},
+                     .y = {.label = "temperature in °C"},
+                     .link = "time",
+                     .series = {{.x = time, .y = temperature}}};
+  const std::vector<Panel> all =
+      report::in_units({linked, loop(time, temperature, stress)}, Units::si);
+  const Panel& panel = all[1];
+  EXPECT_EQ(all[0].y.label, "temperature in K");
+  EXPECT_EQ(panel.x.label, "temperature in K");
+  EXPECT_EQ(panel.y.label, "stress in Pa");
+  EXPECT_EQ(panel.right.label, "share in %");
+  EXPECT_EQ(panel.x.min, 293.15);
+  EXPECT_EQ(panel.x.max, 373.15);
+  EXPECT_EQ(panel.x.ticks[0].first, 323.15);
+  EXPECT_EQ(panel.y.min, 0);
+  EXPECT_TRUE(std::isnan(panel.y.max));
+  EXPECT_EQ(panel.rules[0].at, 150e6);
+  EXPECT_EQ(panel.rules[1].at, 363.15);
+  EXPECT_EQ(panel.notes[0].x, 298.15);
+  EXPECT_EQ(panel.notes[0].y, 100e6);
+  EXPECT_EQ(panel.series[0].x->front(), 293.15);
+  EXPECT_TRUE(std::isnan(panel.series[0].x->back()));
+  EXPECT_EQ(panel.series[0].y->front(), 150e6);
+  EXPECT_EQ(panel.series[0].at, time);
+  EXPECT_EQ(panel.series[1].y, time) << "% stays";
+  EXPECT_EQ(panel.series[2].y, panel.series[2].x) << "spans lie along x";
+  EXPECT_EQ(panel.series[0].low, panel.series[0].y) << "shared columns stay shared";
+  EXPECT_EQ(all[0].series[0].y, panel.series[0].x) << "also between panels";
+}
+
+// What is in SI comes on the bench; there and back is the same; what has no other unit stays.
+TEST(Panels, BenchAndSiAreInverse) {
+  const auto labelled = [](const char* label) {
+    return Panel{.x = {.label = "time in s"},
+                 .y = {.label = label, .min = 2.5},
+                 .series = {{.x = ramp(5), .y = ramp(5)}}};
+  };
+  struct Labels {
+    const char *bench, *si;
+  };
+  for (const auto& [bench, si] :
+       {Labels{"current in mA", "current in A"}, Labels{"power in mW", "power in W"},
+        Labels{"contraction in µm", "contraction in m"}, Labels{"stress in MPa", "stress in Pa"},
+        Labels{"temperature in °C", "temperature in K"}}) {
+    const Panel given = labelled(bench);
+    const Panel there = report::in_units({given}, Units::si).front();
+    const Panel back = report::in_units({there}, Units::bench).front();
+    EXPECT_EQ(there.y.label, si);
+    EXPECT_EQ(back.y.label, bench);
+    EXPECT_EQ(report::in_units({given}, Units::bench).front().series[0].y, given.series[0].y);
+    EXPECT_NE(there.series[0].y->at(3), 3);
+    EXPECT_NEAR(back.series[0].y->at(3), 3, 1e-9);
+    EXPECT_NEAR(back.y.min, 2.5, 1e-9);
+  }
+  for (const char* const label : {"time in s", "strain in %", "true less reference in K",
+                                  "resistance in Ω", "temperature", "length in mm"}) {
+    const Panel panel = report::in_units({labelled(label)}, Units::bench).front();
+    EXPECT_EQ(panel.y.label, label);
+    EXPECT_EQ(panel.y.min, 2.5);
+  }
+}
+
+TEST(Panels, APageIsInTheChosenUnits) {
+  if (report::report_script().empty()) {
+    GTEST_SKIP() << "built without the page";
+  }
+  const Panel panel =
+      loop(report::column({0, 1}), report::column({20, 21}), report::column({1, 2}));
+  const std::string si = report::plots_html({panel}, Units::si);
+  EXPECT_THAT(si, HasSubstr("stress in Pa"));
+  EXPECT_THAT(si, HasSubstr("293.15"));
+  EXPECT_THAT(si, Not(HasSubstr("MPa")));
+  EXPECT_THAT(report::plots_html({panel}, Units::bench), HasSubstr("stress in MPa"));
+}
+
 TEST(Panels, APageHasDataOnlyWhereSomethingDrawsThem) {
-  const std::string html = report::plots_html({everything(), spans()});
+  const std::string html = report::plots_html({everything(), spans()}, Units::bench);
   EXPECT_THAT(html, HasSubstr("data:image/svg+xml;base64,"));
   EXPECT_THAT(html, HasSubstr("&lt;/script&gt;&lt;script&gt;"));
   EXPECT_THAT(html, Not(HasSubstr("<script>alert")));

@@ -227,7 +227,7 @@ TEST(ClosedLoop, TheReportShowsStepsAndTemperatures) {
   const simulate::LoopRunResult result =
       simulate::run_closed_loop(scenario, {.out = "", .record = true});
   ASSERT_FALSE(result.strain_steps.empty());
-  simulate::write_report(folder / "r.html", scenario, result);
+  simulate::write_report(folder / "r.html", scenario, result, Units::bench);
   const std::string html = file_text(folder / "r.html");
   for (const char* part : {"Strain", "Temperature", "States, limits, faults", "overshoot",
                            "hottest point, true", "sublayers"}) {

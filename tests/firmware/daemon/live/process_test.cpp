@@ -538,6 +538,21 @@ TEST(Process, ASecondOneWithTheSameFolderIsRefused) {
   EXPECT_NE(third.out.find("the last run ended cleanly"), std::string::npos) << third.out;
 }
 
+TEST(Process, SaysWhatItRuns) {
+  const TemporaryFolder folder;
+  const auto errors = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"--board", "sim", "--at-once", "--for", "0.1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = Program(folder, arguments).wait();
+    EXPECT_TRUE(ended.exited_with(0)) << ended.errors;
+    return ended.errors;
+  };
+  EXPECT_EQ(errors({}),
+            "smaservod: board sim, no bus, wire 76 um x 100 mm, loop 1 ms; current off until its "
+            "program heats\n");
+  EXPECT_EQ(errors({"--quiet"}), "");
+}
+
 TEST(Process, CheckSaysOfEachDeviceWhyItIsNotThere) {
   const TemporaryFolder folder;
   const std::string board = reference_board(folder, "");

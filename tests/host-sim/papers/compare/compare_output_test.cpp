@@ -155,7 +155,7 @@ std::size_t count(const std::string& text, const std::string& part) {
 
 TEST(CompareOutput, ReportHasTheTableAndALoopForEachTestThatASystemTellsOf) {
   const TemporaryFolder folder;
-  compare::write_comparison_report(folder / "r.html", made_up());
+  compare::write_comparison_report(folder / "r.html", made_up(), Units::bench);
   const std::string html = file_text(folder / "r.html");
   EXPECT_THAT(html, HasSubstr("<tr><td>good</td><td>0.50</td><td>0.50</td><td>0.50</td>"
                               "<td>123 ns</td><td>7</td><td>0.50</td><td>0.50</td></tr>"));
@@ -172,7 +172,7 @@ TEST(CompareOutput, ReportHasTheTableAndALoopForEachTestThatASystemTellsOf) {
 
 TEST(CompareOutput, ReportIsNotWrittenWhereItCannotBe) {
   const TemporaryFolder folder;
-  EXPECT_THROW(compare::write_comparison_report(folder / "missing/r.html", made_up()),
+  EXPECT_THROW(compare::write_comparison_report(folder / "missing/r.html", made_up(), Units::bench),
                files::UserError);
   EXPECT_TRUE(folder.names().empty());
 }
