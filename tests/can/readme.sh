@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# readme.sh BUILD: the lines of README.md's "A daemon, tuned over CAN", as they stand, with the
-# programs of this build. Runs in a network of its own (own_network.sh).
+# readme.sh BUILD: the lines of README.md with a daemon on a bus, as they stand, with the programs of this build.
+# Runs in a network of its own (own_network.sh).
 set -euo pipefail
 
-build=$1
+build=$(realpath "$1")
 cd "$(dirname "$0")/../.."
 # shellcheck source=tests/patience.sh
 . tests/patience.sh
@@ -21,20 +21,13 @@ is_there() {
   "$build/host-sim/host-sim" can --can udp scan 2>&1 | grep smaservo >/dev/null
 }
 
-lines=$(sed -n '/^## A daemon, tuned over CAN/,/^## /p' README.md | sed -n 's/^    //p')
-[[ $(grep -c 'host-sim can --can udp' <<<"$lines") -ge 5 ]]
+lines=$(sed -n '/ by tests\/can\/readme.sh -->$/,/^[A-Z]/s/^    //p' README.md)
+[[ $(grep -c 'host-sim can --can udp' <<<"$lines") -ge 7 ]]
+eval "$(toolchain/dev do shell_line "$build")"
+cd "$work" # where step keeps its runs
 while IFS= read -r line; do
-  line=${line//build\/release/$build}
   echo "+ $line"
   case $line in
-    toolchain/dev\ build*)
-      # What is in this build already; that there is such a command is what can go wrong.
-      toolchain/dev build --help
-      ;;
-    toolchain/dev\ page*)
-      # Until Ctrl-C; tests/host-sim/page/browser is the page.
-      toolchain/dev page --help
-      ;;
     *smaservod*\&)
       eval "${line%&} >$work/daemon 2>&1 &"
       daemon=$!
@@ -50,6 +43,9 @@ while IFS= read -r line; do
   esac
 done <<<"$lines"
 
+[[ $("${ours[@]}" get strain.proportional_W) == 0 ]]
+[[ -s can-steps/step-0001.csv ]]
+"${ours[@]}" set strain.proportional_W 0.5
 [[ $("${ours[@]}" get strain.proportional_W) == 0.5 ]]
 grep -E 'smaservod: board sim, bus udp, node-id 1, wire .* current off until enabled$' "$work/daemon"
 position=$("${ours[@]}" get 6064)

@@ -2,7 +2,7 @@
 # readme.sh BUILD: every line of README.md's code blocks, as it stands, with the programs of this build,
 # in a folder of their own. Not those blocks that the README marks: <!-- not run: WHY -->. The recordings
 # that it names are shipped traces. Of toolchain/dev only that there is such a command; `toolchain/dev
-# test` runs the parts themselves.
+# test` runs the parts themselves. `toolchain/dev shell` is what it is after its build.
 set -euo pipefail
 
 build=$(realpath "$1")
@@ -21,8 +21,6 @@ lines=$(awk '
 ' "$root/README.md")
 
 cd "$work"
-mkdir -p build
-ln -s "$build" build/release
 ln -s "$root/host-sim" host-sim
 # A wire of 120 mm, as the README's: the shipped one has 100.6 mm.
 awk -F, -v OFS=, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "voltage_V") v = i } NR > 1 { $v *= 120 / 100.6 } 1' \
@@ -31,13 +29,18 @@ for run in 50:50 150:200 300:400; do
   head -n 4001 "host-sim/traces/${run#*:}MPa.csv" >"run-${run%:*}MPa.csv"
 done
 
-[[ $(grep -c '^build/release/host-sim/host-sim ' <<<"$lines") -ge 6 ]]
+[[ $(grep -c '^host-sim ' <<<"$lines") -ge 7 ]]
 [[ $(grep -c '^toolchain/dev ' <<<"$lines") -ge 2 ]]
 help=$("$root/toolchain/dev" --help)
 # A line that ends in a backslash goes on in the next one, which is what read does without -r.
 # shellcheck disable=SC2162
 while read line; do
   echo "+ $line"
+  if [[ $line == 'eval "$(toolchain/dev shell)"' ]]; then
+    eval "$("$root/toolchain/dev" do shell_line "$build")"
+    [[ $(command -v host-sim) == "$build/shell/bin/host-sim" && $(complete -p smaservod) == *_smaservo* ]]
+    continue
+  fi
   if [[ $line == toolchain/dev\ * ]]; then
     read -r _ command _ <<<"$line"
     grep -qE "^  $command( |$)" <<<"$help"

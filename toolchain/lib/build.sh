@@ -140,6 +140,34 @@ run_page() {
   "$root/build/release/host-sim/host-sim" page --can "$bus" "$@"
 }
 
+# The one line is all that goes to the standard output, for: eval "$(toolchain/dev shell)"
+run_shell() {
+  install_packages
+  build release host-sim smaservod smaservo-table
+  shell_line "$root/build/release"
+}
+
+# shell_line BUILD: makes BUILD/shell, as the package lays out its files, and prints the line that puts it on the PATH.
+shell_line() {
+  local build=$1 shell=$1/shell page
+  mkdir -p "$shell/bin" "$shell/man/man1" "$shell/man/man8"
+  ln -sf "$build/host-sim/host-sim" "$build/firmware/daemon/smaservod" "$shell/bin"
+  for page in host-sim.1 smaservod.8; do
+    ln -sf "$root/toolchain/package/$page" "$shell/man/man${page##*.}/$page"
+  done
+  {
+    printf '# Made by toolchain/dev shell.\nshell=%q\n' "$shell"
+    # shellcheck disable=SC2016 # for the shell that reads it
+    printf '%s\n' \
+      'case :$PATH: in *:"$shell/bin":*) ;; *) export PATH="$shell/bin:$PATH" ;; esac' \
+      'case :${MANPATH-}: in *:"$shell/man":*) ;; *) export MANPATH="$shell/man:${MANPATH-}" ;; esac' \
+      'unset shell'
+    printf '[ -z "${BASH_VERSION-}" ] || . %q\n' "$root/toolchain/package/smaservo.bash"
+  } >"$shell/activate.$$"
+  mv "$shell/activate.$$" "$shell/activate"
+  printf '. %q\n' "$shell/activate"
+}
+
 run_replay() {
   install_packages
   build release host-sim

@@ -82,6 +82,11 @@ FIGURES = {
                       'along_plot.ts', 'colours.ts', 'panel_plot.ts', 'report.css')),
                   'tests/host-sim/report/picture.js'],
         curves='tests/golden/replay_150MPa.csv'),
+    'moving': Figure(
+        'picture', 'a simulated weight that follows set-points, and its curves', ['host-sim/simulate/moving.svg'],
+        f'{HOST_SIM} simulate host-sim/scenarios/steps.toml --out build/figures/steps.csv && '
+        'toolchain/lib/moving_picture.py build/figures/steps.csv host-sim/simulate/moving.svg',
+        2, ['host-sim'], drawn_by=['toolchain/lib/moving_picture.py', 'host-sim/scenarios/steps.toml']),
     'page': Figure(
         'picture', 'the live view of a simulated servo that moves in loops', ['host-sim/page/picture.png'],
         f'SERVO_BUS=udp:239.74.163.5%lo {NPM} tests/can/own_network.sh node tests/host-sim/page/browser/picture.js '
@@ -96,8 +101,8 @@ FIGURES = {
         f'mkdir -p build/replay && toolchain/dev do replay_all {HOST_SIM} build/replay', 5, ['host-sim'],
         tables={'observer/README.md': ('traces', rows_of_traces), 'README.md': ('traces', how_good)}),
     'bench': Figure(
-        'table', 'times and instructions of each step', ['README.md'], 'toolchain/dev bench tables', 180, alone=True,
-        tables={'README.md': ('bench', lambda printed: printed.rstrip() + '\n')}),
+        'table', 'times and instructions of each step', ['tests/bench/README.md'], 'toolchain/dev bench tables', 180,
+        alone=True, tables={'tests/bench/README.md': ('bench', lambda printed: printed.rstrip() + '\n')}),
     'examples': Figure(
         'written', 'what the examples print', ['host-sim/examples/README.md'],
         'for program in 01_estimate_from_csv 02_simulate_a_wire 03_own_controller 04_own_board 05_device_step; do '
@@ -238,7 +243,8 @@ def make(name):
     for file, text in tables(figure, printed).items():
         (ROOT / file).write_text(text)
     if figure.kind == 'picture':
-        fewer_colours(figure.files[0])
+        if figure.files[0].endswith('.png'):
+            fewer_colours(figure.files[0])
         record(name)
     if figure.kind == 'copied':
         say(f'{name}: what of this {", ".join(figure.files)} shows has to be copied')

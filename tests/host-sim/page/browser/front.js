@@ -61,6 +61,19 @@ const tests = {
     await gone(view, 'freeze-frame');
   },
 
+  async 'a warning that stands says how often its cause has come'({ view, bridge }) {
+    await tab(view, 'state');
+    const warned = (times) => ({
+      state: { active: [], warnings: ['heat_limit'], warning_causes: { heat_limit: times } },
+    });
+    bridge.now(warned(1));
+    await text(view, 'fault-heat_limit', (words) => !words.includes('times'));
+    bridge.now(warned(1494));
+    await text(view, 'fault-heat_limit', /1494 times/);
+    bridge.now({ state: { warnings: [], warning_causes: {} } });
+    await gone(view, 'warnings');
+  },
+
   async 'a refusal is said as a text, whatever it contains'({ view, bridge }) {
     bridge.answers.enable = () => {
       throw new Error(`enable: refused ${markup}`);

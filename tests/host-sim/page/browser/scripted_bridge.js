@@ -83,6 +83,7 @@ function usual() {
       faults: [
         { name: 'wire_open', code: 'FF20h', class: 'F1', text: 'No current flows.' },
         { name: 'over_temperature', code: '4310h', class: 'F1', text: 'Too hot.' },
+        { name: 'heat_limit', code: 'FF2Eh', class: 'L', text: 'The heat is limited.' },
       ],
       modes: [
         { mode: 0, name: 'none', unit: '' },

@@ -41,6 +41,7 @@ export interface State {
   active: string[];
   latched: string[];
   warnings?: string[];
+  warning_causes?: Record<string, number>; ///< how often the cause of each warning has come
   blocking: string[];
   first_cause: string | null;
   limits: string[];

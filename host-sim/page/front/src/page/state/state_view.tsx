@@ -113,7 +113,7 @@ function Faults({ now }: { now: State }) {
       </section>
       {active.length > 0 && (
         <section class="card" data-testid="warnings">
-          <h2>Conditions present now</h2>
+          <h2>Conditions present now or within the last second</h2>
           {active.map((name) => (
             <Fault key={name} name={name} tags={tagsOf(now, name)} />
           ))}
@@ -123,10 +123,22 @@ function Faults({ now }: { now: State }) {
   );
 }
 
+/** How often the cause of a warning has come; once is not worth a word. */
+function timesText(times: number): string {
+  return times > 1 ? `${times} times` : '';
+}
+
 function tagsOf(now: State, name: string): string[] {
   return [
     name === now.first_cause ? 'first cause' : '',
-    now.active.includes(name) ? 'present now' : now.latched.includes(name) ? 'gone, can be reset' : '',
+    // A warning stands for a second after its cause: the card says that it is there.
+    now.warnings?.includes(name)
+      ? timesText(now.warning_causes?.[name] ?? 0)
+      : now.active.includes(name)
+        ? 'present now'
+        : now.latched.includes(name)
+          ? 'gone, can be reset'
+          : '',
   ].filter((tag) => tag !== '');
 }
 
