@@ -11,7 +11,6 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware/bench/progress.hpp"
 #include "firmware/cycle.hpp"
 #include "firmware/device/adopt.hpp"
 #include "firmware/text/device_log.hpp"
@@ -20,6 +19,7 @@
 #include "hal/replay/board.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
+#include "model/files/progress.hpp"
 #include "model/files/text_table.hpp"
 
 namespace smaservo::bench {
@@ -210,7 +210,7 @@ DeviceReplayResult replay_device(const DeviceReplayOptions& options) {
   if (!options.out.empty()) {
     file = std::make_unique<ReplayFile>(options.out, options.trace, reader, names);
   }
-  Progress progress("replay", reader.file_size());
+  files::Progress progress("replay", reader.file_size());
   hal::ReplayBoard board(std::move(reader), std::numeric_limits<double>::quiet_NaN(),
                          options.settings.wire.geometry.area_m2());
   const auto prepared = std::make_unique<Prepared<double>>(prepare(options.settings));

@@ -7,7 +7,6 @@
 #include <optional>
 #include <thread>
 
-#include "firmware/bench/progress.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/evaluate/closed_loop/closed_loop.hpp"
 #include "host-sim/evaluate/closed_loop/random_scenario.hpp"
@@ -19,6 +18,7 @@
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/progress.hpp"
 
 namespace smaservo::evaluate {
 namespace {
@@ -57,7 +57,7 @@ class Stages {
 
  private:
   std::string stage_;
-  std::optional<bench::Progress> line_;
+  std::optional<files::Progress> line_;
 };
 
 /// Runs only one of the random scenarios.

@@ -9,7 +9,6 @@
 #include <memory>
 #include <thread>
 
-#include "firmware/bench/progress.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/checks/findings.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
@@ -17,6 +16,7 @@
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/progress.hpp"
 
 namespace smaservo::identify {
 namespace {
@@ -95,7 +95,7 @@ std::vector<Run> read_runs(const IdentifyArguments& a, const Geometry<double>& g
 
 FitResult fit(const IdentifyArguments& a, const Wire<double>& from, const std::vector<Run>& runs) {
   const Interrupt interrupt;
-  bench::Progress progress("fit");
+  files::Progress progress("fit");
   FitOptions options;
   options.circuit = a.circuit;
   options.threads = a.threads > 0

@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "firmware/bench/progress.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/plan/plan.hpp"
 #include "host-sim/report/html.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/progress.hpp"
 #include "model/files/text_table.hpp"
 #include "model/units.hpp"
 
@@ -207,10 +207,10 @@ Plan plan(const PlanArguments& a, const Wire<double>& wire) {
   for (const double stress_MPa : a.stresses_MPa) {
     options.stresses_Pa.push_back(1e6 * stress_MPa);
   }
-  std::unique_ptr<bench::Progress> progress;
+  std::unique_ptr<files::Progress> progress;
   options.progress = [&](std::size_t done, std::size_t total) {
     if (!progress) {
-      progress = std::make_unique<bench::Progress>("profiles tried", total);
+      progress = std::make_unique<files::Progress>("profiles tried", total);
     }
     progress->update(done);
   };

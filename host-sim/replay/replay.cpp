@@ -7,13 +7,13 @@
 #include <fmt/ranges.h>
 #include <memory>
 
-#include "firmware/bench/progress.hpp"
 #include "hal/replay/board.hpp"
 #include "host-sim/checks/findings.hpp"
 #include "host-sim/how_read.hpp"
 #include "host-sim/replay/estimate_file.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "model/files/error.hpp"
+#include "model/files/progress.hpp"
 #include "model/units.hpp"
 #include "model/wire/plant.hpp"
 
@@ -192,7 +192,7 @@ void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayRes
   result.open_loop = true;
   result.observers = {{"model", {}, false}};
   Sink sink(options, trace, result);
-  bench::Progress progress("replay", trace.file_size());
+  files::Progress progress("replay", trace.file_size());
   K::State state{};
   hal::TraceRow row{};
   std::uint32_t piece = 0;
@@ -266,7 +266,7 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
       result.observers.push_back({name, {}, false});
     }
   }
-  bench::Progress progress("replay", reader.file_size());
+  files::Progress progress("replay", reader.file_size());
   checks::Recorder recorder(reader, most_checked);
   hal::ReplayBoard board(std::move(reader), load_N, wire.geometry.area_m2());
   Observers observers;

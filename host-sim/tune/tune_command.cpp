@@ -8,12 +8,12 @@
 #include <memory>
 #include <optional>
 
-#include "firmware/bench/progress.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/tune/tune.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/progress.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::tune {
@@ -93,7 +93,7 @@ void run(const TuneArguments& a) {
                       24,
                       1};
   const Tuned tuned = [&] {
-    bench::Progress line("tune");
+    files::Progress line("tune");
     return tune(a.wire, based_on(a), task, [&](double share) { line.update_share(share); });
   }();
   if (!a.out.empty()) {

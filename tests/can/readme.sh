@@ -23,7 +23,7 @@ is_there() {
 
 lines=$(sed -n '/ by tests\/can\/readme.sh -->$/,/^[A-Z]/s/^    //p' README.md)
 [[ $(grep -c 'host-sim can --can udp' <<<"$lines") -ge 7 ]]
-eval "$(toolchain/dev do shell_line "$build")"
+eval "$(toolchain/dev 'do' shell_line "$build")"
 cd "$work" # where step keeps its runs
 while IFS= read -r line; do
   echo "+ $line"

@@ -36,8 +36,9 @@ help=$("$root/toolchain/dev" --help)
 # shellcheck disable=SC2162
 while read line; do
   echo "+ $line"
+  # shellcheck disable=SC2016 # the line as it stands
   if [[ $line == 'eval "$(toolchain/dev shell)"' ]]; then
-    eval "$("$root/toolchain/dev" do shell_line "$build")"
+    eval "$("$root/toolchain/dev" 'do' shell_line "$build")"
     [[ $(command -v host-sim) == "$build/shell/bin/host-sim" && $(complete -p smaservod) == *_smaservo* ]]
     continue
   fi

@@ -162,6 +162,7 @@ shell_line() {
       'case :$PATH: in *:"$shell/bin":*) ;; *) export PATH="$shell/bin:$PATH" ;; esac' \
       'case :${MANPATH-}: in *:"$shell/man":*) ;; *) export MANPATH="$shell/man:${MANPATH-}" ;; esac' \
       'unset shell'
+    # shellcheck disable=SC2016 # as well
     printf '[ -z "${BASH_VERSION-}" ] || . %q\n' "$root/toolchain/package/smaservo.bash"
   } >"$shell/activate.$$"
   mv "$shell/activate.$$" "$shell/activate"

@@ -7,13 +7,13 @@
 #include <optional>
 #include <thread>
 
-#include "firmware/bench/progress.hpp"
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/checks/findings.hpp"
 #include "host-sim/papers/compare/compare.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
+#include "model/files/progress.hpp"
 
 namespace smaservo::compare {
 namespace {
@@ -111,7 +111,7 @@ void run(const CompareArguments& a) {
                           : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Comparison comparison;
   {
-    bench::Progress line("compare");
+    files::Progress line("compare");
     comparison = compare(from, std::move(training), std::move(tests), threads,
                          [&](std::string_view system, double share) {
                            line.name(fmt::format("compare, {}", system));

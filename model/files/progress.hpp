@@ -11,7 +11,7 @@
 #include <thread>
 #include <utility>
 
-namespace smaservo::bench {
+namespace smaservo::files {
 
 /// A time as people say it: "45 s", "12 min", "1 h 05 min".
 std::string duration_text(double seconds);
@@ -66,4 +66,4 @@ class Progress {
   std::jthread thread_;  // last: it uses all others
 };
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::files

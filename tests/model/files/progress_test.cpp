@@ -1,9 +1,9 @@
-#include "firmware/bench/progress.hpp"
+#include "model/files/progress.hpp"
 
 #include <gtest/gtest.h>
 #include <random>
 
-namespace smaservo::bench {
+namespace smaservo::files {
 namespace {
 
 TEST(Duration, IsSaidAsPeopleSayIt) {
@@ -47,4 +47,4 @@ TEST(Forecast, IsRightWhereTheWorkIsEven) {
 }
 
 }  // namespace
-}  // namespace smaservo::bench
+}  // namespace smaservo::files

@@ -1,4 +1,4 @@
-#include "firmware/bench/progress.hpp"
+#include "model/files/progress.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -9,7 +9,7 @@
 
 #include "model/files/message.hpp"
 
-namespace smaservo::bench {
+namespace smaservo::files {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -88,4 +88,4 @@ void Progress::show(const std::stop_token& stop) {
   }
 }
 
-}  // namespace smaservo::bench
+}  // namespace smaservo::files
