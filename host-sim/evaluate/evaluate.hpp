@@ -28,7 +28,7 @@ struct EvaluateOptions {
   /// Folder of the calibrated wires, created if it is missing. A unit whose file (calibrated_name)
   /// is there is not calibrated again. Empty: nothing is kept.
   std::string wires;
-  /// Called after each part of a stage, never by two threads at once.
+  /// Called when a stage begins and after each of its parts, never by two threads at once.
   std::function<void(std::string_view stage, std::size_t done, std::size_t total)> progress;
 };
 
