@@ -15,8 +15,6 @@ namespace smaservo::can {
 namespace {
 
 constexpr std::int64_t boot_patience_us = 3'000'000;
-constexpr const char* client_timeout = "tuning.client_timeout_s";
-constexpr double usual_timeout_s = 5;
 
 /// How long an enabled drive may be heated: while what 1016h or the event timers of RPDOs watch is
 /// there, if they watch anything; else for a time after the last command.
@@ -53,34 +51,10 @@ TuningState tuning_state(Remote& remote) {
   return static_cast<TuningState>(remote.whole("tuning.state"));
 }
 
-/// A node takes a trial back when it has no request for tuning.client_timeout_s. `try` ends at
-/// once, so the node waits for as long as the trial lasts, if that is longer. Returns a line about
-/// it.
-std::string outlast_this_program(Remote& remote, double seconds) {
-  const double timeout_s = remote.number(client_timeout);
-  if (timeout_s == 0 || timeout_s >= seconds) {
-    return "";
-  }
-  remote.set(client_timeout, fmt::format("{}", seconds));
-  return fmt::format("{}: {} -> {}, so that the trial outlasts this command\n", client_timeout,
-                     timeout_s, seconds);
-}
-
-/// Sets back what outlast_this_program() has set; it is known by the time of the trial.
-std::string wait_as_usual(Remote& remote) {
-  const double timeout_s = remote.number(client_timeout);
-  if (timeout_s <= usual_timeout_s || timeout_s != remote.number("tuning.trial_s")) {
-    return "";
-  }
-  remote.set(client_timeout, fmt::format("{}", usual_timeout_s));
-  return fmt::format("{}: {} -> {}\n", client_timeout, timeout_s, usual_timeout_s);
-}
-
 /// The time that is left of a trial. Throws if there is none, as after one that has ended by
 /// itself.
 double trial_left_s(Remote& remote, const char* verb) {
   if (tuning_state(remote) != TuningState::on_trial) {
-    wait_as_usual(remote);
     throw files::UserError(
         fmt::format("node {} has no trial to {}: `host-sim can try` begins one; it may have ended "
                     "by itself",
@@ -194,10 +168,8 @@ std::string begin_trial(Remote& remote, const std::vector<Change>& changes, doub
                       remote.node(), remote.number("tuning.remaining_s")));
   }
   const std::vector<Bytes> before = values_before(remote, changes);
-  remote.try_for(changes, seconds);
-  // If this fails, the node takes the trial back earlier.
-  const std::string waits = outlast_this_program(remote, seconds);
-  return changed_text(changes, before) + waits +
+  remote.try_for(changes, seconds, Remote::Client::leaves);
+  return changed_text(changes, before) +
          fmt::format("on trial for {} s, until {}: `can keep` keeps it, `can revert` ends it\n",
                      seconds, clock_text(seconds));
 }
@@ -205,16 +177,14 @@ std::string begin_trial(Remote& remote, const std::vector<Change>& changes, doub
 std::string keep_trial(Remote& remote) {
   const double left_s = trial_left_s(remote, "keep");
   remote.keep_trial();
-  return wait_as_usual(remote) +
-         fmt::format("kept, {:.1f} s before the trial's end; `can store` keeps it over a reset\n",
+  return fmt::format("kept, {:.1f} s before the trial's end; `can store` keeps it over a reset\n",
                      left_s);
 }
 
 std::string revert_trial(Remote& remote) {
   const double left_s = trial_left_s(remote, "revert");
   remote.revert_trial();
-  return wait_as_usual(remote) +
-         fmt::format("reverted, {:.1f} s before the trial's end: as it was before `try`\n", left_s);
+  return fmt::format("reverted, {:.1f} s before the trial's end: as it was before `try`\n", left_s);
 }
 
 std::string started_text(Remote& remote) {

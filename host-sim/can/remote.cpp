@@ -173,9 +173,9 @@ void Remote::stage(const std::vector<Change>& changes, const char* command) {
   }
 }
 
-void Remote::try_for(const std::vector<Change>& changes, double seconds) {
+void Remote::try_for(const std::vector<Change>& changes, double seconds, Client client) {
   set("tuning.trial_s", fmt::format("{}", seconds));
-  stage(changes, "2");
+  stage(changes, client == Client::leaves ? "5" : "2");
 }
 
 void Remote::keep_trial() {

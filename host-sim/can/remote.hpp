@@ -55,8 +55,10 @@ class Remote {
   void change(const std::vector<Change>& changes);
 
   /// Puts changes of parameters in force as one set for this time; then the node takes them back
-  /// unless they are kept. If it throws, nothing has changed.
-  void try_for(const std::vector<Change>& changes, double seconds);
+  /// unless they are kept, and earlier if a client that stays has been silent for
+  /// tuning.client_timeout_s. If it throws, nothing has changed.
+  enum class Client : std::uint8_t { stays, leaves };
+  void try_for(const std::vector<Change>& changes, double seconds, Client client = Client::stays);
   void keep_trial();
   void revert_trial();
 

@@ -47,7 +47,14 @@ struct Reach {
 };
 
 enum class TuningState : std::uint8_t { none, open, on_trial };
-enum class TuningCommand : std::uint8_t { none, begin, attempt, commit, revert };
+enum class TuningCommand : std::uint8_t {
+  none,
+  begin,
+  attempt,
+  commit,
+  revert,
+  leave,  ///< as attempt, by a client that goes: until the trial's end nobody has to be there
+};
 
 /// Access to parameters by key. Handles are rows of the table.
 class ParameterAccess {

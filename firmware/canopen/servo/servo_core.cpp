@@ -223,6 +223,7 @@ Abort ServoCore::tune(TuningCommand command) {
   const Abort result = parameters_.tune(command, objects_.trial_s, axis_.may_heat());
   tuned_us_ = now_us_;
   if (result == Abort::none) {
+    left_alone_ = command == TuningCommand::leave;
     log(tuning_key, objects_.tuning_state, static_cast<std::uint32_t>(command), Source::sdo,
         result);
   }
@@ -245,6 +246,9 @@ void ServoCore::revert_tuning(Source source) {
 
 /// Reverts the transaction of a client that is no longer there.
 void ServoCore::watch_client() {
+  if (left_alone_ && parameters_.state() == TuningState::on_trial) {
+    return;
+  }
   const std::uint64_t last_us = std::max(tuned_us_, node_.last_sdo_us());
   const std::uint64_t timeout_us = microseconds_of(objects_.client_timeout_s);
   if (parameters_.state() != TuningState::none && timeout_us != 0 &&

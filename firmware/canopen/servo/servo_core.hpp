@@ -135,6 +135,7 @@ class ServoCore : public Application {
   Signals signals_{};
   FaultSet latched_;
   std::uint64_t now_us_ = 0, tuned_us_ = 0;
+  bool left_alone_ = false;  ///< the trial needs no client
   std::uint32_t setpoints_ = 0;
   std::uint8_t errors_ = 0;   ///< bits of 1001h caused by the device's faults
   bool missed_ = false;       ///< the loss of the command source has been reported

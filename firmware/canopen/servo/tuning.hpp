@@ -134,6 +134,7 @@ Abort Tuning<S>::tune(TuningCommand command, float trial_s, bool enabled) {
       open_ = true;
       return Abort::none;
     case TuningCommand::attempt:
+    case TuningCommand::leave:
       return state() == TuningState::none ? Abort::state : done(staging_.try_for(S(trial_s)));
     case TuningCommand::commit: {
       if (state() == TuningState::none) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr Key gain{0x2100, 1}, rate{0x2100, 2}, current_limit{0x2020, 2}, current_trip{0x2021, 1},
     command{0x2102, 1}, state{0x2102, 2}, length{0x2110, 1};
-constexpr std::uint8_t begin = 1, attempt = 2, commit = 3, revert = 4;
+constexpr std::uint8_t begin = 1, attempt = 2, commit = 3, revert = 4, leave = 5;
 
 Abort tune(ServoRig& rig, std::uint8_t what) {
   return rig.set(command, what, 1);
@@ -103,7 +103,7 @@ TEST(Tuning, EveryRefusedWriteIsLogged) {
       {{0x2201, 1}, as_bits(26.F), 4, Abort::too_high, 0},
       {{0x2300, 1}, 2, 1, Abort::state, 0},
       {command, attempt, 1, Abort::state, 0},
-      {command, 5, 1, Abort::too_high, 0},
+      {command, 6, 1, Abort::too_high, 0},
   });
   for (const Case& c : cases) {
     SCOPED_TRACE(testing::Message() << std::hex << c.key.index << ':' << int{c.key.sub});
@@ -231,6 +231,35 @@ TEST(Tuning, AClientThatHasGoneLeavesNothing) {
   EXPECT_EQ(rig.get_real(gain), 0.F) << "nor what was only staged";
 }
 
+/// What a client has tried and left lasts for its whole time without anybody, and not longer; what
+/// the next one tries is watched as ever.
+TEST(Tuning, ATrialThatIsLeftNeedsNobody) {
+  ServoRig rig;
+  constexpr Key trial_s{0x2102, 3}, timeout_s{0x2102, 4};
+  rig.set_real(trial_s, 20);
+  tune(rig, begin);
+  rig.set_real(gain, 5);
+  EXPECT_EQ(tune(rig, leave), Abort::none);
+  rig.run(17'000);
+  EXPECT_EQ(rig.staging.active().strain.proportional, 5);
+  rig.run(3000);
+  EXPECT_EQ(rig.staging.active().strain.proportional, 0);
+  EXPECT_EQ(rig.get(state), 0U);
+  EXPECT_EQ(rig.get_real(timeout_s), 5.F);
+
+  tune(rig, begin);
+  rig.set_real(gain, 5);
+  tune(rig, leave);
+  EXPECT_EQ(tune(rig, attempt), Abort::none) << "somebody else goes on with it";
+  rig.run(5100);
+  EXPECT_EQ(rig.staging.active().strain.proportional, 0);
+
+  tune(rig, begin);
+  rig.set_real(gain, 5);
+  rig.run(5100);
+  EXPECT_EQ(rig.get(state), 0U) << "what is only staged is never left";
+}
+
 TEST(Tuning, CommitKeepsAndRevertForgets) {
   ServoRig rig;
   tune(rig, begin);
@@ -245,7 +274,7 @@ TEST(Tuning, CommitKeepsAndRevertForgets) {
   EXPECT_EQ(tune(rig, revert), Abort::none);
   EXPECT_EQ(rig.staging.active().strain.proportional, 5);
   EXPECT_EQ(tune(rig, commit), Abort::state);
-  EXPECT_EQ(rig.set(command, 5, 1), Abort::too_high);
+  EXPECT_EQ(rig.set(command, 6, 1), Abort::too_high);
 }
 
 TEST(Tuning, StoringIsSeparate) {
