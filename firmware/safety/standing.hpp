@@ -21,7 +21,8 @@ constexpr std::size_t warning_index(Fault fault) {
   return static_cast<std::size_t>(std::popcount(warning_faults.bits() & below));
 }
 
-/// All zero: there has been no warning.
+/// All zero: there has been no warning. A condition that blocks while the device is off and warns
+/// while it is on comes anew each time.
 template <class S>
 struct StandingWarnings {
   static constexpr S stands_s = S(1);

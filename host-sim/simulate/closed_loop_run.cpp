@@ -1,6 +1,7 @@
 #include "host-sim/simulate/closed_loop_run.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -28,6 +29,30 @@ double wanted_strain(const Settings<double>& settings, Mode mode, double value) 
   return mode == Mode::position
              ? settings.axis.zero_strain - value / settings.wire.geometry.length_m
              : nan;
+}
+
+// The limits of a step, for StepControl: limit reasons, and above them the limiting warnings, which
+// `protection` stands for.
+constexpr unsigned first_warning_bit = 16;
+static_assert(static_cast<unsigned>(LimitReason::count) <= first_warning_bit);
+static_assert(std::popcount(limiting_faults.bits()) <= 32 - static_cast<int>(first_warning_bit));
+
+std::uint32_t bits_of(FaultSet warnings) {
+  std::uint32_t bits = 0;
+  unsigned bit = first_warning_bit;
+  for_each_fault(limiting_faults, [&](Fault fault) {
+    bits |= warnings.has(fault) ? 1U << bit : 0U;
+    ++bit;
+  });
+  return bits;
+}
+
+FaultSet warnings_of(std::uint32_t bits) {
+  FaultSet warnings;
+  unsigned bit = first_warning_bit;
+  for_each_fault(limiting_faults,
+                 [&](Fault fault) { warnings.set(fault, (bits >> bit++ & 1U) != 0); });
+  return warnings;
 }
 
 /// The variable that a mode controls, as the device measures it.
@@ -127,11 +152,11 @@ class Judge {
   void add(const bench::SimulatedCycle& cycle) {
     const Output<double>& out = cycle.output;
     const bool runs = out.state == DeviceState::running;
-    steps_.add(
-        cycle.time_s,
-        runs ? wanted_strain(settings_, cycle.command.mode, cycle.command.setpoint) : nan,
-        cycle.truth.strain,
-        {wanted_strain(settings_, out.mode, out.setpoint), out.estimate.strain, out.limit_reasons});
+    steps_.add(cycle.time_s,
+               runs ? wanted_strain(settings_, cycle.command.mode, cycle.command.setpoint) : nan,
+               cycle.truth.strain,
+               {wanted_strain(settings_, out.mode, out.setpoint), out.estimate.strain,
+                out.limit_reasons | bits_of(out.warnings)});
     if (cycle.truth.hottest_K > result_.max_hottest_K) {
       result_.max_hottest_K = cycle.truth.hottest_K;
       result_.max_hottest_s = cycle.time_s;
@@ -141,7 +166,6 @@ class Judge {
       result_.max_estimate_error = std::max(
           result_.max_estimate_error, std::abs(cycle.output.estimate.strain - cycle.truth.strain));
     }
-    result_.warned = result_.warned | out.warnings;
     const FaultSet fresh = cycle.output.latched - latched_;
     latched_ = cycle.output.latched;
     for (unsigned i = 0; !fresh.empty() && i < static_cast<unsigned>(Fault::count); ++i) {
@@ -206,7 +230,7 @@ class LoopFile {
 };
 
 /// What a limit is set by, with its value; empty for what does not hold a wire back.
-std::string cause_of(LimitReason reason, const Settings<double>& settings, FaultSet warned) {
+std::string cause_of(LimitReason reason, const Settings<double>& settings, FaultSet warnings) {
   const SoftLimits<double>& q = settings.limits;
   switch (reason) {
     case LimitReason::current:
@@ -214,8 +238,10 @@ std::string cause_of(LimitReason reason, const Settings<double>& settings, Fault
     case LimitReason::power:
       return fmt::format("limits.power_W, {:.4g} W", q.power_W);
     case LimitReason::temperature:
-      return fmt::format("limits.temperature_K, {:.4g} °C, less limits.hot_spot_K, {:.4g} K",
-                         q.temperature_K - zero_degC_K, q.hot_spot_K);
+      return fmt::format(
+          "{:.4g} °C: limits.temperature_degC, {:.4g}, less limits.hot_spot_K, {:.4g}",
+          q.temperature_K - q.hot_spot_K - zero_degC_K, q.temperature_K - zero_degC_K,
+          q.hot_spot_K);
     case LimitReason::strain:
       return fmt::format("limits.min_strain, {:.4g} %", 100 * q.min_strain);
     case LimitReason::stress:
@@ -225,7 +251,7 @@ std::string cause_of(LimitReason reason, const Settings<double>& settings, Fault
     case LimitReason::supply:
       return "the voltage of the supply";
     case LimitReason::protection:
-      return fmt::format("the warning {}", text::names_of(warned & limiting_faults));
+      return fmt::format("the warning {}", text::names_of(warnings));
     case LimitReason::min_current:
     case LimitReason::trajectory:
     case LimitReason::count:
@@ -239,12 +265,12 @@ bool acts(const report::StepFigures& step, LimitReason reason) {
 }
 
 /// The limits that held a step, each on a line of its own.
-std::string causes_of(const report::StepFigures& step, const Settings<double>& settings,
-                      FaultSet warned) {
+std::string causes_of(const report::StepFigures& step, const Settings<double>& settings) {
+  const FaultSet warnings = warnings_of(step.limits);
   std::string causes;
   for (unsigned i = 0; i < static_cast<unsigned>(LimitReason::count); ++i) {
     const auto reason = static_cast<LimitReason>(i);
-    const std::string cause = acts(step, reason) ? cause_of(reason, settings, warned) : "";
+    const std::string cause = acts(step, reason) ? cause_of(reason, settings, warnings) : "";
     causes += cause.empty() ? "" : (causes.empty() ? "\n  " : ";\n  ") + cause;
   }
   return causes;
@@ -264,18 +290,22 @@ std::string reason_of(const report::StepFigures& step, const Settings<double>& s
   }
   const double stroke = settings.wire.nominal_stroke;
   if (std::abs(step.held - step.to) > 1e-3 * stroke) {
-    return fmt::format("set-point held at {:.3f} % by\n  limits.min_strain or limits.max_strain",
-                       100 * step.held);
+    const bool at_min = step.to < step.held;
+    return fmt::format("set-point held at {:.3f} % by\n  limits.{}_strain, {:.4g} %",
+                       100 * step.held, at_min ? "min" : "max",
+                       100 * (at_min ? settings.limits.min_strain : settings.limits.max_strain));
   }
-  const std::string causes = causes_of(step, settings, result.warned);
+  const std::string causes = causes_of(step, settings);
   if (!causes.empty() && step.to < step.end) {
     return fmt::format("held at {:.3f} % by{}", 100 * step.end, causes);
   }
   if (acts(step, LimitReason::min_current) && step.end < step.to) {
     return fmt::format("at {:.3f} % and still cooling, at the least current", 100 * step.end);
   }
-  return fmt::format("at {:.3f} % when it ended; the estimate was {:.3f} %", 100 * step.end,
-                     100 * step.estimate);
+  return std::abs(step.estimate - step.to) < 0.02 * stroke
+             ? fmt::format("the estimate was wrong, {:.3f} %\n  where the wire was at {:.3f} %",
+                           100 * step.estimate, 100 * step.end)
+             : fmt::format("at {:.3f} % when it ended, and no limit held it", 100 * step.end);
 }
 
 }  // namespace

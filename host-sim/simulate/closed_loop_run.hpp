@@ -56,7 +56,6 @@ struct LoopRunResult {
   double max_estimate_error = 0;  ///< greatest error of the strain after the first second
   /// Faults with their times, in the order in which they were latched.
   std::vector<std::pair<Fault, double>> faults;
-  FaultSet warned;  ///< all warnings of the run
   std::optional<LoopRecord> record;
 };
 

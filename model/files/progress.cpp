@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <csignal>
+#include <exception>
 #include <fmt/format.h>
 #include <unistd.h>
 #include <utility>
@@ -36,14 +38,16 @@ std::string duration_text(double seconds) {
 
 std::string Forecast::text(std::string_view what, double share, double elapsed_s) {
   if (!(0 < share)) {
-    return fmt::format("{}: {}", what, duration_text(elapsed_s));
+    return fmt::format("{}: {} so far", what, duration_text(elapsed_s));
   }
   if (share != share_) {
     share_ = share;
     whole_s_ = elapsed_s / std::min(1.0, share);
   }
-  return fmt::format("{}: {:.0f} %, {} left", what, std::floor(100 * std::min(1.0, share)),
-                     duration_text(std::max(0.0, whole_s_ - elapsed_s)));
+  const double left_s = whole_s_ - elapsed_s;
+  return fmt::format(
+      "{}: {:.0f} %, {}", what, std::floor(100 * std::min(1.0, share)),
+      left_s < 0 ? "longer than expected" : fmt::format("{} left", duration_text(left_s)));
 }
 
 Progress::Progress(std::string what, std::uint64_t total)
@@ -61,30 +65,44 @@ void Progress::name(std::string what) {
   what_ = std::move(what);
 }
 
-void Progress::show(const std::stop_token& stop) {
+std::string Progress::text(Forecast& forecast, double elapsed_s) const {
+  const auto done = static_cast<double>(done_.load(std::memory_order_relaxed));
+  return total_ == 0
+             ? fmt::format("{}: {:.1f} MB, {} so far", what_, 1e-6 * done, duration_text(elapsed_s))
+             : forecast.text(what_, done / static_cast<double>(total_), elapsed_s);
+}
+
+void Progress::show(const std::stop_token& stop) noexcept {
+  // Signals are for the other threads. Above all, nobody's work ends because nobody reads how far
+  // it is (SIGPIPE).
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
   const bool terminal = isatty(STDERR_FILENO) == 1;
   const Pace pace = terminal ? on_a_terminal : elsewhere;
   const auto start = Clock::now();
   auto due = start + pace.first;
   bool shown = false;
   Forecast forecast;
-  std::unique_lock lock(mutex_);
-  while (!wakes_.wait_until(lock, stop, due, [&] { return stop.stop_requested(); })) {
-    const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
-    const auto done = static_cast<double>(done_.load(std::memory_order_relaxed));
-    const std::string text =
-        total_ == 0 ? fmt::format("{}: {:.1f} MB, {}", what_, 1e-6 * done, duration_text(elapsed_s))
-                    : forecast.text(what_, done / static_cast<double>(total_), elapsed_s);
-    if (terminal) {
-      files::redraw(text);
-    } else {
-      files::complain("host-sim", text);
+  try {
+    std::unique_lock lock(mutex_);
+    while (!wakes_.wait_until(lock, stop, due, [&] { return stop.stop_requested(); })) {
+      const auto now = Clock::now();
+      const std::string line = text(forecast, std::chrono::duration<double>(now - start).count());
+      if (terminal) {
+        redraw(line);
+      } else {
+        complain("host-sim", line);
+      }
+      shown = true;
+      // A program that stood still makes up for nothing.
+      due = std::max(due + pace.then, now);
     }
-    shown = true;
-    due += pace.then;
-  }
-  if (shown && terminal) {
-    files::redraw("");
+    if (shown && terminal) {
+      redraw("");
+    }
+  } catch (const std::exception&) {
+    // Without memory for a line the work goes on unseen.
   }
 }
 

@@ -17,11 +17,11 @@ namespace smaservo::files {
 std::string duration_text(double seconds);
 
 /// The text of a moment: "fit: 34 %, 2 min left". While nothing is done there is no forecast:
-/// "fit: 12 s".
+/// "fit: 12 s so far".
 class Forecast {
  public:
   /// `share` done, 0 to 1, after `elapsed_s`. Large parts end seldom: while the share stays as it
-  /// is, the time left goes on falling.
+  /// is, the time left goes on falling; when it has passed, "fit: 34 %, longer than expected".
   std::string text(std::string_view what, double share, double elapsed_s);
 
  private:
@@ -56,7 +56,8 @@ class Progress {
  private:
   static constexpr std::uint64_t parts = 1'000'000;
 
-  void show(const std::stop_token& stop);
+  std::string text(Forecast& forecast, double elapsed_s) const;
+  void show(const std::stop_token& stop) noexcept;
 
   std::mutex mutex_;
   std::string what_;

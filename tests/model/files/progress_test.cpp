@@ -18,15 +18,15 @@ TEST(Duration, IsSaidAsPeopleSayIt) {
 
 TEST(Forecast, SaysNoTimeWhileNothingIsDone) {
   Forecast forecast;
-  EXPECT_EQ(forecast.text("fit", 0, 12), "fit: 12 s");
-  EXPECT_EQ(forecast.text("fit", std::nan(""), 12), "fit: 12 s");
+  EXPECT_EQ(forecast.text("fit", 0, 12), "fit: 12 s so far");
+  EXPECT_EQ(forecast.text("fit", std::nan(""), 12), "fit: 12 s so far");
 }
 
 TEST(Forecast, FallsWhileALargePartGoesOn) {
   Forecast forecast;
   EXPECT_EQ(forecast.text("runs", 0.25, 20), "runs: 25 %, 60 s left");
   EXPECT_EQ(forecast.text("runs", 0.25, 50), "runs: 25 %, 30 s left");
-  EXPECT_EQ(forecast.text("runs", 0.25, 200), "runs: 25 %, 0 s left");
+  EXPECT_EQ(forecast.text("runs", 0.25, 200), "runs: 25 %, longer than expected");
   EXPECT_EQ(forecast.text("runs", 0.5, 200), "runs: 50 %, 3 min left");
 }
 
