@@ -38,6 +38,7 @@ int ended_by(const std::exception& error, int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  smaservo::files::hold_standard_descriptors();
   smaservo::daemon::DaemonOptions options;
   int code = 0;
   if (!smaservo::daemon::parse_options(argc, argv, options, code)) {

@@ -24,8 +24,8 @@ std::string changed_text(const std::vector<Change>& changes, const std::vector<B
 /// The same for the parameters that a file has changed.
 std::string restored_text(const std::vector<Difference>& differences, Units units);
 
-/// Puts parameters on trial for this time, all together, and says until when they hold. Throws if an
-/// object cannot be tried or a trial is in force already.
+/// Puts parameters on trial for this time, all together, and says until when they hold. Throws if
+/// an object cannot be tried or a trial is in force already.
 std::string begin_trial(Remote& remote, const std::vector<Change>& changes, double seconds);
 /// End a trial; they throw if there is none.
 std::string keep_trial(Remote& remote);

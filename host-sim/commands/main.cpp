@@ -5,6 +5,7 @@
 #include "model/files/message.hpp"
 
 int main(int argc, char** argv) {
+  smaservo::files::hold_standard_descriptors();
   try {
     return smaservo::commands::run_host_sim(argc, argv);
   } catch (const smaservo::files::NoResult& failure) {

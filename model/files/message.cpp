@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <iterator>
+#include <unistd.h>
 
 namespace smaservo::files {
 namespace {
@@ -142,6 +144,16 @@ std::string printable_json(std::string_view document) {
 
 std::string printable_toml(std::string_view text) {
   return whole(text, code_of, false);
+}
+
+void hold_standard_descriptors() {
+  int held = 0;
+  do {
+    held = open("/dev/null", O_RDONLY);
+  } while (0 <= held && held <= STDERR_FILENO);
+  if (STDERR_FILENO < held) {
+    close(held);
+  }
 }
 
 void complain(std::string_view program, std::string_view text) noexcept {

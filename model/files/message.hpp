@@ -26,6 +26,9 @@ std::string printable_json(std::string_view document);
 /// for line breaks.
 std::string printable_toml(std::string_view text);
 
+/// Opens those of the standard descriptors that a program was started without, so that no file and
+/// no socket gets their numbers, and with these what is printed. Writing to them still fails.
+void hold_standard_descriptors();
 /// Writes "PROGRAM: TEXT" as one line on the standard error output. Does not throw.
 void complain(std::string_view program, std::string_view text) noexcept;
 /// Writes a text of several lines. The caller finds failures by std::ferror().

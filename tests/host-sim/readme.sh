@@ -23,10 +23,13 @@ lines=$(awk '
 cd "$work"
 ln -s "$root/host-sim" host-sim
 # A wire of 120 mm, as the README's: the shipped one has 100.6 mm.
-awk -F, -v OFS=, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "voltage_V") v = i } NR > 1 { $v *= 120 / 100.6 } 1' \
-  host-sim/traces/50MPa.csv >trace.csv
-for run in 50:50 150:200 300:400; do
-  head -n 4001 "host-sim/traces/${run#*:}MPa.csv" >"run-${run%:*}MPa.csv"
+longer() {
+  awk -F, -v OFS=, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "voltage_V") v = i } NR > 1 { $v *= 120 / 100.6 } 1' \
+    "host-sim/traces/$1MPa.csv"
+}
+longer 50 >trace.csv
+for run in 10 50 150 400; do
+  longer "$run" | awk 'NR < 4002' >"run-${run}MPa.csv"
 done
 
 [[ $(grep -c '^host-sim ' <<<"$lines") -ge 7 ]]

@@ -259,8 +259,9 @@ TEST(Unreached, NamesTheLimitThatHoldsTheWireAndItsValue) {
               HasSubstr(" by\n  limits.current_A, 100 mA\n"));
   EXPECT_THAT(remarks_of([](auto& s) { s.settings.limits.power_W = 0.1; }),
               HasSubstr(" by\n  limits.power_W, 0.1 W\n"));
-  EXPECT_THAT(remarks_of([](auto& s) { s.settings.limits.temperature_K = 345; }),
-              HasSubstr(" by\n  53.85 °C: limits.temperature_degC, 71.85, less limits.hot_spot_K, 18"));
+  EXPECT_THAT(
+      remarks_of([](auto& s) { s.settings.limits.temperature_K = 345; }),
+      HasSubstr(" by\n  53.85 °C: limits.temperature_degC, 71.85, less limits.hot_spot_K, 18"));
   EXPECT_THAT(remarks_of([](auto& s) { s.settings.limits.min_strain = 0.035; }),
               HasSubstr("set-point held at 3.500 % by\n  limits.min_strain, 3.5 %\n"));
 }

@@ -1,11 +1,13 @@
 #include "model/files/message.hpp"
 
 #include <cstdint>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <toml++/toml.h>
+#include <unistd.h>
 #include <vector>
 
 #include "model/files/text_table.hpp"
@@ -120,6 +122,26 @@ TEST(Message, OnTheErrorOutputIsOneLine) {
   testing::internal::CaptureStderr();
   files::redraw("a\x1B[2J");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "\r\033[Ka\\x1B[2J");
+}
+
+/// In a process of its own: whichever of the three are closed, what is opened next gets none of
+/// their numbers, and writing to them fails.
+TEST(StandardDescriptors, AreNobodyElses) {
+  for (unsigned closed = 0; closed < 8; ++closed) {
+    const auto child = [closed] {
+      for (int fd = 0; fd < 3; ++fd) {
+        if ((closed >> static_cast<unsigned>(fd) & 1U) != 0) {
+          close(fd);
+        }
+      }
+      files::hold_standard_descriptors();
+      const int next = open("/dev/null", O_WRONLY);
+      const bool stdout_closed = (closed & 2U) != 0;
+      const bool written = write(STDOUT_FILENO, "", 1) == 1;
+      _exit(next > STDERR_FILENO && written != stdout_closed ? 0 : 1);
+    };
+    EXPECT_EXIT(child(), ::testing::ExitedWithCode(0), "") << closed;
+  }
 }
 
 }  // namespace
