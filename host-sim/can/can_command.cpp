@@ -506,7 +506,7 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
               say(c, [&] { return said; });
             });
   add_plain(can, common, "stop",
-            "NMT: stops the node's communication except NMT and heartbeat; heat ends.",
+            "NMT: stops the node's communication except NMT and heartbeat; heat ends (6007h).",
             [](Remote& remote, const Common& c) {
               remote.nmt(can::NmtCommand::stop);
               say(c, [&] { return can::stopped_text(remote); });

@@ -234,8 +234,9 @@ std::string started_text(Remote& remote) {
 
 std::string stopped_text(Remote& remote) {
   return fmt::format(
-      "stop sent to node {}: heat ends; what the node did is not known, a stopped node "
-      "answers NMT alone, until `host-sim can start` or `host-sim can reset`\n",
+      "stop sent to node {}: heat ends, unless 6007h, 605Ah or 605Eh was set to keep it; what the "
+      "node did is not known, a stopped node answers NMT alone, until `host-sim can start` or "
+      "`host-sim can reset`\n",
       remote.node());
 }
 

@@ -68,7 +68,7 @@ says '^within 0.0001 m of 0.0011 m after [0-9.]+ s: at 0.00[0-9]+ m$' --units si
 says '^limits.temperature_degC: (120 -> 110|was 110 already)$' set limits.temperature=110degC
 says '^disabled: current off' disable
 says '^there was no fault to acknowledge; the drive is disabled, the wire.s state is ready$' reset-faults
-says '^stop sent to node 1: heat ends' stop
+says '^stop sent to node 1: heat ends, unless 6007h, 605Ah or 605Eh was set to keep it; what the' stop
 says '^operational: node 1' start
 
 # A trial: the values are in force, and as before when it is reverted; without one there is nothing to end.
