@@ -5,10 +5,15 @@
 #include <charconv>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <utility>
 #include <vector>
 
 namespace smaservo::text {
 namespace {
+
+/// Signs in units, in UTF-8: the degree, the micro sign, the Greek letter mu.
+constexpr auto spellings = std::to_array<std::pair<std::string_view, std::string_view>>(
+    {{"\xC2\xB0", "deg"}, {"\xC2\xB5", "u"}, {"\xCE\xBC", "u"}});
 
 /// The shortest text that gives this float when it is read as a double and rounded.
 std::string shortest(float value) {
@@ -58,6 +63,14 @@ std::optional<Unit> Quantity::unit_in(Kind kind, const Unit& plain) const {
     return plain;
   }
   std::string suffix(unit == "%" ? "percent" : unit);
+  for (const auto& [sign, letters] : spellings) {
+    for (std::size_t at = 0; (at = suffix.find(sign, at)) != std::string::npos;) {
+      suffix.replace(at, sign.size(), letters);
+    }
+  }
+  if (suffix.starts_with('/')) {
+    suffix.insert(0, 1, '1');
+  }
   std::ranges::replace(suffix, '/', '_');
   const auto found = std::ranges::find(kind, suffix, &Unit::suffix);
   return found == kind.end() ? std::nullopt : std::optional(*found);
@@ -65,6 +78,10 @@ std::optional<Unit> Quantity::unit_in(Kind kind, const Unit& plain) const {
 
 std::optional<Quantity> quantity_of(std::string_view text) {
   Quantity quantity{};
+  // from_chars() takes no plus.
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') {
+    text.remove_prefix(1);
+  }
   const char* const start = text.data();
   const auto [end, error] = std::from_chars(start, start + text.size(), quantity.number);
   if (error != std::errc{}) {

@@ -16,7 +16,8 @@ struct KeyParts {
 };
 KeyParts key_parts(const Parameter<double>& row);
 
-/// A number with or without a unit behind it: "120degC", "120 degC", "0.8mm", "4%", "3 mm/s".
+/// A number with or without a unit behind it: "120degC", "120 °C", "0.8mm", "4%", "3 mm/s", "2
+/// 1/s".
 struct Quantity {
   double number;
   std::string_view unit;  ///< as the text has it; empty: none

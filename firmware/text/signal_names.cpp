@@ -9,6 +9,7 @@
 #include "firmware/signals.hpp"
 #include "model/files/error.hpp"
 #include "model/files/similar.hpp"
+#include "model/files/toml/fields.hpp"
 
 namespace smaservo::text {
 namespace {
@@ -47,6 +48,15 @@ constexpr Kind kind_of(std::string_view name) {
   return std::ranges::find(shares, name) != shares.end() ? Kind(kind::number) : Kind(kind::count);
 }
 
+/// Whether `name` is this signal's without its unit, or with another one of its kind.
+bool is_in_another_unit(std::string_view name, std::string_view signal, Kind kind) {
+  const std::string_view suffix = kind.front().suffix;
+  signal.remove_suffix(suffix.empty() ? 0 : suffix.size() + 1);
+  return name == signal || std::ranges::any_of(kind, [&](const Unit& unit) {
+           return name == files::key_with(signal, unit.suffix);
+         });
+}
+
 }  // namespace
 
 Kind signal_kind(std::size_t row) {
@@ -63,6 +73,11 @@ std::size_t signal_row(const std::string& name) {
   }
   if (const std::string_view now = renamed_signal(bare); !now.empty()) {
     throw files::UserError(fmt::format("{}: is now called {}", name, now));
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (is_in_another_unit(bare, rows[i].name, signal_kind(i))) {
+      throw files::UserError(fmt::format("{}: signals are in SI: {}", name, rows[i].name));
+    }
   }
   std::vector<std::string> names;
   names.reserve(signal_count);

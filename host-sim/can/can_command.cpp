@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <memory>
 #include <unistd.h>
+#include <utility>
 
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/fault_reference.hpp"
@@ -15,6 +16,7 @@
 #include "host-sim/can/bus/network.hpp"
 #include "host-sim/can/bus/port_bus.hpp"
 #include "host-sim/can/outcome.hpp"
+#include "host-sim/can/positions.hpp"
 #include "host-sim/can/settings.hpp"
 #include "host-sim/can/shown.hpp"
 #include "host-sim/can/status.hpp"
@@ -27,6 +29,10 @@
 
 namespace smaservo::can {
 namespace {
+
+constexpr const char* about_gains =
+    "The gains strain.proportional_W, strain.integral_1_s and strain.derivative_s are 0 by\n"
+    "default: the model alone drives the wire. `host-sim tune` proposes gains.";
 
 struct Common {
   std::string can;
@@ -137,14 +143,21 @@ void listen(const Common& common, double for_s) {
 
 void get(Remote& remote, const std::vector<std::string>& names, Units units) {
   for (const std::string& name : names) {
-    bool unitless = false;
-    text::find_quantity(name, unitless);
-    const text::KnownObject object = can::asked_object(name, units);
+    const can::Shown shown = can::shown_object(name, units);
+    const std::optional<Kind> mode = shown.by_mode ? can::kind_in_force(remote) : std::nullopt;
+    can::require_in_force(shown, mode);
+    const text::KnownObject object = can::in_force(shown, mode, units);
     const std::string value = text::value_text(object, remote.read(object));
-    const std::string& called = object.name.empty() ? name : object.name;
-    const bool alone = names.size() == 1 && !unitless;
-    files::print(files::printable(alone ? value : called + " = " + value) + "\n");
+    const bool alone = names.size() == 1 && shown.names_unit;
+    files::print(files::printable(alone ? value : object.name + " = " + value) + "\n");
+    if (shown.by_mode && !mode) {
+      files::print(fmt::format("{}: {}\n", object.name, can::unknown_mode), stderr);
+    }
   }
+}
+
+std::string no_value(const std::string& name) {
+  return fmt::format("{}: has no value; must be NAME VALUE or NAME=VALUE", name);
 }
 
 /// The change of an object to a value that may have a unit behind it; the object is then in this
@@ -152,6 +165,9 @@ void get(Remote& remote, const std::vector<std::string>& names, Units units) {
 can::Change change_of(const std::string& name, const std::string& value) {
   bool unitless = false;
   text::KnownObject object = text::find_quantity(name, unitless);
+  if (value.empty() && object.type != canopen::Type::text) {
+    throw files::UserError(no_value(name));
+  }
   if (!object.writable) {
     throw files::UserError(fmt::format("{} cannot be written", text::title(object)));
   }
@@ -173,12 +189,28 @@ can::Change change_of(const std::string& name, const std::string& value) {
 
 std::vector<can::Change> changes_of(const std::vector<std::string>& texts) {
   std::vector<can::Change> changes;
-  const bool pair = texts.size() == 2 && texts[0].find('=') == std::string::npos;
-  const std::vector<files::Override> settings =
-      pair ? std::vector<files::Override>{{texts[0], texts[1]}} : text::parse_settings(texts);
-  changes.reserve(settings.size());
-  for (const auto& [name, value] : settings) {
-    changes.push_back(change_of(name, value));
+  if (texts.size() == 2 && texts[0].find('=') == std::string::npos) {
+    return {change_of(texts[0], texts[1])};
+  }
+  changes.reserve(texts.size());
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) {
+      throw files::UserError(no_value(text));
+    }
+    if (equals == 0) {
+      throw files::UserError(
+          fmt::format("{}: has no name; must be NAME VALUE or NAME=VALUE", text));
+    }
+    can::Change change = change_of(text.substr(0, equals), text.substr(equals + 1));
+    const Key key = change.first.key;
+    const bool given = std::ranges::any_of(
+        changes, [&](const can::Change& other) { return other.first.key == key; });
+    // Other objects may need several values, one after the other, as the controlword.
+    if (given && change.first.parameter != nullptr) {
+      throw files::UserError(fmt::format("{}: given twice", change.first.parameter->path.text()));
+    }
+    changes.push_back(std::move(change));
   }
   return changes;
 }
@@ -207,12 +239,12 @@ void restore(Remote& remote, const std::string& path, const Common& common) {
   const auto all = differences(remote, path);
   can::restore(remote, all);
   say(common, [&] { return can::restored_text(all, common.units); });
-  print(fmt::format("{} parameters changed\n", all.size()));
+  print(fmt::format("{} parameter{} changed\n", all.size(), all.size() == 1 ? "" : "s"));
 }
 
-void diff(Remote& remote, const std::string& path, const Common& /*common*/) {
+void diff(Remote& remote, const std::string& path, const Common& common) {
   const auto all = differences(remote, path);
-  print(can::differences_text(all));
+  print(can::differences_text(all, common.units));
   // As with diff(1), the exit status 1 means that there are differences.
   if (!all.empty()) {
     throw CLI::RuntimeError(1);
@@ -338,7 +370,8 @@ void add_trial_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   attempt->add_option("--for", *for_s, "duration of the trial, s")
       ->capture_default_str()
       ->check(seconds_of(0.1, 3600));
-  add_plain(can, common, "keep", "Keeps what is on trial; `store` keeps it over a reset.",
+  add_plain(can, common, "keep",
+            "Makes the trial's values stay; `store` saves them for the next start.",
             [](Remote& remote, const Common& c) {
               std::string said = can::keep_trial(remote);
               say(c, [&] { return said; });
@@ -357,8 +390,10 @@ void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
         Session session(*common);
         get(session.remote(), *names, common->units);
       })
-      ->add_option("NAME", *names,
-                   "such as strain.proportional_W, limits.current_mA, wire_temperature_K, 6041")
+      ->add_option(
+          "NAME", *names,
+          "with its unit, for the number alone: strain.proportional_W, wire_temperature_degC; "
+          "without, for name, unit and number in that of --units: wire_temperature; 6041")
       ->required();
   auto values = std::make_shared<std::vector<std::string>>();
   add(can, "set", "Writes objects; several parameters take effect together, or none does.",
@@ -369,7 +404,7 @@ void add_object_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       })
       ->add_option("NAME VALUE | NAME=VALUE", *values,
                    "an object and its value in any unit of its kind: strain.proportional_W 0.5, "
-                   "limits.temperature=120degC; the gains of the position loop are strain.*")
+                   "limits.temperature=120degC")
       ->required();
   add_trial_commands(can, common);
   const auto with_file = [&](const char* command, const char* meaning, const char* option,
@@ -440,8 +475,9 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
         record(session.remote(), *record_plan, *out, *patience_s);
       });
   record_command
-      ->add_option("--signals", record_plan->signals,
-                   "up to 8 live values, with or without `live.`")
+      ->add_option(
+          "--signals", record_plan->signals,
+          "up to 8 live values: SI names, such as wire_temperature_K, with or without `live.`")
       ->delimiter(',');
   record_command->add_option("--seconds", record_plan->seconds, "duration, s")
       ->capture_default_str()
@@ -450,7 +486,8 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       ->add_option("--before", record_plan->before_s,
                    "part of the duration that lies before the trigger, s")
       ->check(seconds_of(0, 86400));
-  record_command->add_option("--trigger", record_plan->trigger, "SIGNAL>LEVEL or SIGNAL<LEVEL");
+  record_command->add_option("--trigger", record_plan->trigger,
+                             "SIGNAL>LEVEL or SIGNAL<LEVEL, in SI");
   record_command->add_option("--patience", *patience_s, "longest wait for the trigger, s")
       ->capture_default_str()
       ->check(seconds_of(0, 1e6));
@@ -465,17 +502,21 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
             "NMT: makes the node operational, so that it exchanges process data.",
             [](Remote& remote, const Common& c) {
               remote.nmt(can::NmtCommand::start);
-              say(c, [&] { return can::started_text(remote); });
+              std::string said = can::started_text(remote);
+              say(c, [&] { return said; });
             });
-  add_plain(can, common, "stop", "NMT: stops the node's communication except NMT and heartbeat.",
+  add_plain(can, common, "stop",
+            "NMT: stops the node's communication except NMT and heartbeat; heat ends (6007h).",
             [](Remote& remote, const Common& c) {
               remote.nmt(can::NmtCommand::stop);
               say(c, [&] { return can::stopped_text(remote); });
             });
-  add_plain(can, common, "reset", "NMT: restarts the node.", [](Remote& remote, const Common& c) {
-    remote.nmt(can::NmtCommand::reset_node);
-    say(c, [&] { return can::restarted_text(remote); });
-  });
+  add_plain(can, common, "reset", "NMT: restarts the node, and waits for its start; heat ends.",
+            [](Remote& remote, const Common& c) {
+              remote.nmt(can::NmtCommand::reset_node);
+              std::string said = can::restarted_text(remote);
+              say(c, [&] { return said; });
+            });
   add_plain(can, common, "enable",
             "Enables the drive through the states of CiA 402; it may then heat the wire.",
             [](Remote& remote, const Common& c) {
@@ -487,19 +528,23 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
               remote.disable();
               say(c, [&] { return can::disabled_text(remote, c.units); });
             });
-  add_plain(can, common, "reset-faults", "Acknowledges faults.",
+  add_plain(can, common, "reset-faults", "Acknowledges faults; disables the drive.",
             [](Remote& remote, const Common& c) {
               const FaultSet before = c.quiet ? FaultSet() : can::latched_faults(remote);
               remote.reset_faults();
               say(c, [&] { return can::faults_reset_text(remote, before); });
             });
   auto hold_s = std::make_shared<double>(1e6);
-  add(can, "hold", "Keeps an enabled drive enabled, as a master that is there does.",
-      [common, hold_s] {
-        Session session(*common);
-        session.remote().hold(*hold_s);
-      })
-      ->add_option("--for", *hold_s, "duration, s; default: 1000000 s, 11 days")
+  CLI::App* hold =
+      add(can, "hold", "Keeps an enabled drive enabled, as a master that is there does.",
+          [common, hold_s] {
+            Session session(*common);
+            session.remote().hold(*hold_s);
+          });
+  hold->footer(
+      "Who types commands by hand leaves it running in a second terminal: get and watch, set and\n"
+      "try of parameters are no commands and do not renew heat.");
+  hold->add_option("--for", *hold_s, "duration, s; default: 1000000 s, 11 days")
       ->check(seconds_of(0, 1e6));
   auto target = std::make_shared<std::string>();
   auto patience_s = std::make_shared<double>(10);
@@ -507,6 +552,7 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
       can, "move", "Moves to a position (Profile position) and waits until it is reached.", [=] {
         const std::int32_t target_um = can::position_um(*target, common->units);
         Session session(*common);
+        can::require_allowed(session.remote(), target_um, *target, common->units);
         const std::int64_t start_us = session.bus().now_us();
         session.remote().move(target_um, *patience_s);
         const double took_s = static_cast<double>(session.bus().now_us() - start_us) * 1e-6;
@@ -514,7 +560,7 @@ void add_motion_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
             [&] { return can::moved_text(session.remote(), target_um, took_s, common->units); });
       });
   move->add_option("POSITION", *target,
-                   "contraction: 1000 (um; with --units si: m), or with a unit, as 0.8mm")
+                   "contraction: 0.8mm, or in um alone: 1000; with --units si always with a unit")
       ->required();
   move->add_option("--patience", *patience_s, "longest wait, s")
       ->capture_default_str()
@@ -557,15 +603,17 @@ void add_can_command(CLI::App& app) {
   can->add_option("--timeout", common->timeout_s, "longest wait for an answer, s")
       ->capture_default_str()
       ->check(seconds_of(0.01, 60));
-  add_units_option(*can, common->units, "units of what is shown, and of a plain POSITION");
-  can->add_flag("--quiet", common->quiet, "leaves out what commands say of what is so now");
-  can->footer(
-      "The gains of the position loop are the parameters strain.*, 0 by default: the inverse\n"
-      "of the model drives the wire. `host-sim tune` proposes gains.");
+  add_units_option(*can, common->units, "units of what is shown");
+  can->add_flag("--quiet", common->quiet, "prints no line about the new state");
   add_network_commands(*can, common);
   add_object_commands(*can, common);
   add_watch_commands(*can, common);
   add_motion_commands(*can, common);
+  // Not before: each command would have it.
+  can->footer(about_gains);
+  for (const char* const command : {"set", "try", "step"}) {
+    can->get_subcommand(command)->footer(about_gains);
+  }
 }
 
 }  // namespace smaservo::can

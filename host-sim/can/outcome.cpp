@@ -4,9 +4,13 @@
 #include <chrono>
 #include <ctime>
 #include <fmt/format.h>
+#include <limits>
+#include <utility>
 
+#include "firmware/command.hpp"
 #include "firmware/parameters/parameters.hpp"
 #include "firmware/text/device_names.hpp"
+#include "host-sim/can/positions.hpp"
 #include "host-sim/can/shown.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
@@ -15,6 +19,8 @@ namespace smaservo::can {
 namespace {
 
 constexpr std::int64_t boot_patience_us = 3'000'000;
+constexpr std::int64_t settling_us = 1'000'000;
+constexpr std::int64_t settling_poll_us = 10'000;
 
 /// How long an enabled drive may be heated: while what 1016h or the event timers of RPDOs watch is
 /// there, if they watch anything; else for a time after the last command.
@@ -30,8 +36,9 @@ std::string heat_lasts_text(Remote& remote) {
       return fmt::format("while the RPDO of {}h comes", std::string(timer, 4));
     }
   }
-  return fmt::format("until {} s after the last command (`can hold` keeps it)",
-                     remote.text("command_source.timeout_s"));
+  return fmt::format(
+      "until {} s after the last enable, move or set-point (`host-sim can hold` keeps it)",
+      remote.text("command_source.timeout_s"));
 }
 
 std::string clock_text(double from_now_s) {
@@ -63,6 +70,30 @@ double trial_left_s(Remote& remote, const char* verb) {
   return remote.number("tuning.remaining_s");
 }
 
+/// Whether a statusword says "Switch on disabled", the state without current and without a fault.
+bool is_disabled(std::uint32_t statusword) {
+  return (statusword & 0x4FU) == 0x40;
+}
+
+/// Statusword and state of the device after a command that switches the heat off; waits until they
+/// say so, at most for settling_us.
+std::pair<std::uint32_t, std::uint32_t> settled(Remote& remote) {
+  const std::int64_t until_us = remote.bus().now_us() + settling_us;
+  for (;;) {
+    const std::uint32_t drive = remote.whole("6041");
+    const std::uint32_t state = remote.whole("device.state");
+    const bool is_heated_still =
+        state < device_state_count && is_heated(static_cast<DeviceState>(state));
+    const std::int64_t now_us = remote.bus().now_us();
+    if ((is_disabled(drive) && !is_heated_still) || until_us <= now_us) {
+      return {drive, state};
+    }
+    hal::CanFrame passing;
+    while (remote.bus().receive(passing, now_us + settling_poll_us)) {
+    }
+  }
+}
+
 }  // namespace
 
 std::string enabled_text(Remote& remote) {
@@ -77,9 +108,13 @@ std::string disabled_text(Remote& remote, Units units) {
 }
 
 std::string moved_text(Remote& remote, std::int32_t target_um, double took_s, Units units) {
-  return fmt::format("at {} after {:.2f} s (target {})\n",
-                     position_text(remote.number("6064"), units), took_s,
-                     position_text(target_um, units));
+  const std::string at = position_text(remote.number("6064"), units);
+  const std::uint32_t window_um = remote.whole("6067");
+  const std::string target = position_text(target_um, units);
+  return window_um == std::numeric_limits<std::uint32_t>::max()  // any position counts as reached
+             ? fmt::format("at {} after {:.2f} s (target {})\n", at, took_s, target)
+             : fmt::format("within {} of {} after {:.2f} s: at {}\n",
+                           position_text(window_um, units), target, took_s, at);
 }
 
 std::string stored_text() {
@@ -88,10 +123,12 @@ std::string stored_text() {
 }
 
 std::string faults_reset_text(Remote& remote, FaultSet before) {
-  const auto state = remote.whole("device.state");
+  const auto [drive, state] = settled(remote);
   return fmt::format(
-      "{}; the wire's state is {}, current off\n",
-      before.empty() ? "no fault was latched" : "acknowledged: " + text::names_of(before),
+      "{}; the drive is {}, the wire's state is {}\n",
+      before.empty() ? "there was no fault to acknowledge"
+                     : "acknowledged: " + text::names_of(before),
+      is_disabled(drive) ? "disabled" : fmt::format("in \"{}\"", drive_state_text(drive)),
       state < device_state_count ? text::state_name(static_cast<DeviceState>(state)) : "unknown");
 }
 
@@ -119,7 +156,7 @@ std::string changed_text(const std::vector<Change>& changes, const std::vector<B
     text += files::printable(
         before[i].empty() ? fmt::format("{}: {}", name, now)
         : before[i] == value
-            ? fmt::format("{}: stays {}", name, now)
+            ? fmt::format("{}: was {} already", name, now)
             : fmt::format("{}: {} -> {}", name, text::value_text(object, before[i]), now));
     text += '\n';
   }
@@ -130,11 +167,10 @@ std::string restored_text(const std::vector<Difference>& differences, Units unit
   std::vector<Change> changes;
   std::vector<Bytes> before;
   for (const Difference& difference : differences) {
-    const text::KnownObject object = text::find_object(std::string(difference.row->path.text()));
-    const Kind kind = object.unit.suffix.empty() ? Kind() : object.kind;
+    const text::KnownObject object = parameter_in(std::string(difference.row->path.text()), units);
     const auto [here, there] =
         std::pair(bytes_of(object, difference.here), bytes_of(object, difference.there));
-    changes.emplace_back(kind.empty() ? object : text::in_unit(object, unit_in(kind, units)), here);
+    changes.emplace_back(object, here);
     before.push_back(there);
   }
   return changed_text(changes, before);
@@ -169,16 +205,20 @@ std::string begin_trial(Remote& remote, const std::vector<Change>& changes, doub
   }
   const std::vector<Bytes> before = values_before(remote, changes);
   remote.try_for(changes, seconds, Remote::Client::leaves);
-  return changed_text(changes, before) +
-         fmt::format("on trial for {} s, until {}: `can keep` keeps it, `can revert` ends it\n",
-                     seconds, clock_text(seconds));
+  return changed_text(changes, before) + fmt::format(
+                                             "on trial for {} s, until {}: `host-sim can keep` "
+                                             "makes it stay, `host-sim can revert` "
+                                             "ends it\n",
+                                             seconds, clock_text(seconds));
 }
 
 std::string keep_trial(Remote& remote) {
   const double left_s = trial_left_s(remote, "keep");
   remote.keep_trial();
-  return fmt::format("kept, {:.1f} s before the trial's end; `can store` keeps it over a reset\n",
-                     left_s);
+  return fmt::format(
+      "kept, {:.1f} s before the trial's end; `host-sim can store` saves it for the next "
+      "start\n",
+      left_s);
 }
 
 std::string revert_trial(Remote& remote) {
@@ -193,8 +233,11 @@ std::string started_text(Remote& remote) {
 }
 
 std::string stopped_text(Remote& remote) {
-  return fmt::format("stop sent: node {} answers NMT alone, until `can start` or `can reset`\n",
-                     remote.node());
+  return fmt::format(
+      "stop sent to node {}: heat ends, unless 6007h, 605Ah or 605Eh was set to keep it; what the "
+      "node did is not known, a stopped node answers NMT alone, until `host-sim can start` or "
+      "`host-sim can reset`\n",
+      remote.node());
 }
 
 std::string restarted_text(Remote& remote) {
@@ -207,8 +250,9 @@ std::string restarted_text(Remote& remote) {
                          static_cast<double>(remote.bus().now_us() - start_us) * 1e-6);
     }
   }
-  return fmt::format("reset sent: node {} has not reported its start within {} s\n", remote.node(),
-                     boot_patience_us / 1'000'000);
+  throw files::UserError(
+      fmt::format("reset sent: node {} on {} has not reported its start within {} s", remote.node(),
+                  remote.bus().name(), boot_patience_us / 1'000'000));
 }
 
 }  // namespace smaservo::can

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "firmware/text/settings_file.hpp"
-#include "firmware/text/settings_text.hpp"
+#include "host-sim/can/shown.hpp"
 #include "model/files/error.hpp"
 #include "model/files/text_table.hpp"
 #include "model/files/toml/toml_fields.hpp"
@@ -70,11 +70,12 @@ std::vector<Difference> differences(const Settings<double>& file, const Settings
   return all;
 }
 
-std::string differences_text(const std::vector<Difference>& differences) {
+std::string differences_text(const std::vector<Difference>& differences, Units units) {
   files::TextTable table({{""}, {""}, {""}});
   for (const Difference& d : differences) {
-    table.add(
-        {d.row->path.text(), text::value_text(*d.row, d.here), text::value_text(*d.row, d.there)});
+    const text::KnownObject object = parameter_in(std::string(d.row->path.text()), units);
+    table.add({object.name, text::value_text(object, bytes_of(object, d.here)),
+               text::value_text(object, bytes_of(object, d.there))});
   }
   return table.text();
 }

@@ -2,6 +2,7 @@
 // Converts between all parameters of a servo and a settings file.
 
 #include "host-sim/can/remote.hpp"
+#include "host-sim/units.hpp"
 
 namespace smaservo::can {
 
@@ -22,8 +23,8 @@ struct Difference {
 };
 std::vector<Difference> differences(const Settings<double>& file, const Settings<double>& node);
 
-/// One line for each difference: path, the file's value, the node's value.
-std::string differences_text(const std::vector<Difference>& differences);
+/// One line for each difference: name with the unit, the file's value, the node's value.
+std::string differences_text(const std::vector<Difference>& differences, Units units);
 
 /// The bytes of a parameter's value on the bus.
 Bytes bytes_of(const text::KnownObject& object, Value value);

@@ -5,6 +5,7 @@
 #include "firmware/safety/standing.hpp"
 #include "firmware/text/canopen/change_text.hpp"
 #include "firmware/text/device_names.hpp"
+#include "host-sim/can/positions.hpp"
 #include "host-sim/can/shown.hpp"
 #include "model/files/text_table.hpp"
 
@@ -115,7 +116,7 @@ std::string faults_text(Remote& remote) {
   }
   table.add({"active", or_none(text::names_of(fault_set(remote, "active")))});
   table.add({"warnings", or_none(text::names_of(fault_set(remote, "warnings")))});
-  table.add({"warned of", or_none(warning_counts_text(remote))});
+  table.add({"warnings since the start", or_none(warning_counts_text(remote))});
   table.add({"blocked by", or_none(text::names_of(fault_set(remote, "blocks")))});
   const auto reasons = remote.whole("device.limit_reasons");
   table.add({"limited by", or_none(text::limit_reason_names(reasons))});

@@ -7,6 +7,7 @@
 
 #include "firmware/command.hpp"
 #include "firmware/parameters/parameters.hpp"
+#include "host-sim/can/shown.hpp"
 #include "host-sim/report/html.hpp"
 #include "host-sim/report/text_plot.hpp"
 #include "model/files/error.hpp"
@@ -239,11 +240,29 @@ std::string wrapped_gains(const std::map<std::string, std::string>& gains) {
   return files::printable_lines(text + line) + "\n";
 }
 
+/// Values that a file has in SI, with their names, in the chosen units. What this version does not
+/// know stays as the file has it.
+std::map<std::string, std::string> in_units(const std::map<std::string, std::string>& gains,
+                                            Units units) {
+  std::map<std::string, std::string> shown;
+  for (const auto& [path, value] : gains) {
+    try {
+      const text::KnownObject object = parameter_in(path, units);
+      shown[object.name] =
+          text::value_text(object, text::value_bytes(text::find_object(path), value));
+    } catch (const files::UserError&) {
+      shown[path] = value;
+    }
+  }
+  return shown;
+}
+
 /// Which runs have no gains in their file, which gains differ, which are the same in all others.
-std::string gains_text(const std::vector<StepRun>& runs, const std::vector<std::string>& names) {
+std::string gains_text(const std::vector<StepRun>& runs, const std::vector<std::string>& names,
+                       Units units) {
   std::string without;
-  std::vector<files::TextTable::Column> columns{{"gains that differ"}};
-  std::vector<const std::map<std::string, std::string>*> known;
+  std::vector<files::TextTable::Column> columns{{"gains and limits that differ"}};
+  std::vector<std::map<std::string, std::string>> known;
   std::map<std::string, std::string> all;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (runs[i].gains.empty()) {
@@ -251,18 +270,18 @@ std::string gains_text(const std::vector<StepRun>& runs, const std::vector<std::
       continue;
     }
     columns.push_back({names[i]});
-    known.push_back(&runs[i].gains);
-    all.insert(runs[i].gains.begin(), runs[i].gains.end());
+    known.push_back(in_units(runs[i].gains, units));
+    all.insert(known.back().begin(), known.back().end());
   }
   files::TextTable differing(columns);
   std::map<std::string, std::string> same;
   for (const auto& [path, value] : all) {
     files::TextTable::Row cells{path};
     bool differs = false;
-    for (const auto* const gains : known) {
-      const auto found = gains->find(path);
-      cells.emplace_back(found == gains->end() ? "" : found->second);
-      differs = differs || found == gains->end() || found->second != value;
+    for (const auto& gains : known) {
+      const auto found = gains.find(path);
+      cells.emplace_back(found == gains.end() ? "" : found->second);
+      differs = differs || found == gains.end() || found->second != value;
     }
     if (differs) {
       differing.add(cells);
@@ -272,8 +291,8 @@ std::string gains_text(const std::vector<StepRun>& runs, const std::vector<std::
   }
   std::string text = same.size() == all.size() ? "" : "\n" + differing.text();
   if (!same.empty()) {
-    text += fmt::format("\n{}\n{}",
-                        known.size() > 1 ? "the same in all:" : "gains:", wrapped_gains(same));
+    text += fmt::format("\n{}\n{}", known.size() > 1 ? "the same in all:" : "gains and limits:",
+                        wrapped_gains(same));
   }
   return text + (without.empty() ? "" : "\n" + without);
 }
@@ -380,7 +399,7 @@ std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::s
          report::text_plot(ways, axis.columns, 12) +
          fmt::format("{:12}{:<{}}{:>10.3g} s\n", "", fmt::format("{:.3g} s", axis.from_s),
                      axis.columns - 12, axis.to_s) +
-         gains_text(runs, names);
+         gains_text(runs, names, units);
 }
 
 void write_step_report(const std::string& path, const std::vector<StepRun>& runs,

@@ -45,7 +45,7 @@ std::string step_csv(const StepRun& run);
 StepRun load_step(const std::string& path);
 
 /// A table of the runs' figures, the newest first, a plot that overlays them, and their gains:
-/// those that differ between the runs for each run, the others once.
+/// those that differ between the runs for each run, the others once. All in the chosen units.
 std::string step_text(const std::vector<StepRun>& runs, const std::vector<std::string>& names,
                       Units units);
 

@@ -24,12 +24,6 @@ constexpr std::array<const char*, 8> usual{
 
 constexpr Key statusword{canopen::index::statusword, 0};
 
-/// One of the objects that are shown.
-struct Shown {
-  text::KnownObject object;
-  bool by_mode = false;  ///< its unit is that of the mode
-};
-
 /// A value that was read.
 struct Reading {
   text::KnownObject object;  ///< in the unit of the reading
@@ -43,7 +37,7 @@ std::string words_of(const Reading& reading) {
     return fmt::format(
         "  {}", drive_state_text(static_cast<unsigned>(canopen::take_number(reading.bytes))));
   }
-  return reading.unit_is_known ? "" : "  in the SI unit of the mode, which is not known";
+  return reading.unit_is_known ? "" : fmt::format("  {}", unknown_mode);
 }
 
 /// The value with the digits that a table needs.
@@ -54,29 +48,15 @@ std::string table_text(const Reading& reading) {
               : text::value_text(reading.object, reading.bytes);
 }
 
-/// The kind of the set-points of the mode that is in force, if it is known.
-std::optional<Kind> kind_in_force(Remote& remote) {
-  try {
-    const double mode = remote.number("6061");
-    return std::isnan(mode) ? std::nullopt : kind_of_mode(static_cast<int>(mode));
-  } catch (const SdoError& error) {
-    if (error.code() == 0) {
-      throw;
-    }
-    return std::nullopt;  // a node of another make
-  }
-}
-
 /// What a table says of a position loop without gains; "" where there is nothing to say.
 std::string loop_text(Remote& remote, const std::optional<Kind>& mode) {
   if (!mode || mode->front().suffix != kind::length.front().suffix) {
     return "";
   }
   try {
-    // The other gains are factors of this one.
+    // The other gains are factors of this one: the loop is without effect whatever they are.
     return remote.number("strain.proportional_W") == 0
-               ? "strain loop: PID gains 0, the inverse model alone drives "
-                 "(strain.proportional_W)\n"
+               ? "strain.proportional_W is 0, its default: the model alone drives\n"
                : "";
   } catch (const SdoError& error) {
     if (error.code() == 0) {
@@ -86,35 +66,22 @@ std::string loop_text(Remote& remote, const std::optional<Kind>& mode) {
   }
 }
 
-Shown shown(const std::string& name, Units units) {
-  Shown shown{shown_object(name, units)};
-  shown.by_mode = is_in_unit_of_mode(shown.object);
-  if (shown.object.name.empty()) {
-    shown.object.name = name;
-  }
-  return shown;
-}
-
 /// The index of the object to plot, which is added if it is missing; if there is none to plot, the
 /// number of objects.
 std::size_t place_of_plot(const WatchPlan& plan, std::vector<Shown>& all) {
   if (plan.plot.empty()) {
     return all.size();
   }
-  const Shown wanted = shown(plan.plot, plan.units);
+  const Shown wanted = shown_object(plan.plot, plan.units);
   const auto found = std::ranges::find_if(all, [&](const Shown& one) {
-    return one.object.key == wanted.object.key && one.object.name == wanted.object.name;
+    return one.object.key == wanted.object.key && one.object.name == wanted.object.name &&
+           one.typed_unit == wanted.typed_unit;
   });
   const auto place = static_cast<std::size_t>(found - all.begin());
   if (place == all.size()) {
     all.push_back(wanted);
   }
   return place;
-}
-
-/// The object in the unit of the mode, where it has that of the mode and the mode is known.
-text::KnownObject in_force(const Shown& shown, const std::optional<Kind>& mode, Units units) {
-  return shown.by_mode && mode ? text::in_unit(shown.object, unit_in(*mode, units)) : shown.object;
 }
 
 std::string table(const std::vector<Reading>& row) {
@@ -153,7 +120,7 @@ class CsvLines {
       text += "," + (fits ? text::value_text(column, row[i].bytes) : "");
       if (!fits && !told_) {
         told_ = true;
-        remark(fmt::format("{}: empty from {:.3f} s on, as the mode has another unit\n",
+        remark(fmt::format("{}: empty while the mode has another unit, first at {:.3f} s\n",
                            column.name, time_s));
       }
     }
@@ -205,7 +172,7 @@ std::vector<Shown> shown_of(const WatchPlan& plan) {
   std::vector<Shown> all;
   for (const std::string& name :
        plan.names.empty() ? std::vector<std::string>(usual.begin(), usual.end()) : plan.names) {
-    all.push_back(shown(name, plan.units));
+    all.push_back(shown_object(name, plan.units));
   }
   return all;
 }
@@ -230,12 +197,15 @@ void watch(Remote& remote, const WatchPlan& plan, bool in_place,
   const bool by_mode = std::ranges::any_of(all, &Shown::by_mode);
   const auto mode_now = [&] { return in_place || by_mode ? kind_in_force(remote) : std::nullopt; };
   const std::optional<Kind> first_mode = mode_now();
+  for (const Shown& one : all) {
+    require_in_force(one, first_mode);
+  }
   CsvLines csv(all, first_mode, plan.units);
   if (!in_place) {
     show(csv.header());
   }
   if (!in_place && by_mode && !first_mode) {
-    remark("set-point and reference: in the SI unit of the mode, which is not known yet\n");
+    remark(fmt::format("set-point and reference: {}\n", unknown_mode));
   }
   const std::int64_t start_us = remote.bus().now_us();
   const auto period_us = static_cast<std::int64_t>(plan.period_s * 1e6);

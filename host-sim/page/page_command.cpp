@@ -16,8 +16,10 @@ void add_bus_options(CLI::App& page, ServoOptions& servos) {
                   "period of SYNC, s, for live values at this rate; 0: they are polled")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
-  page.add_option("--signals", servos.sync_signals,
-                  "up to 8 live values that come by SYNC, names as those of `can watch`")
+  page.add_option(
+          "--signals", servos.sync_signals,
+          "up to 8 live values that come by SYNC: SI names, such as wire_temperature_K, with or "
+          "without `live.`")
       ->delimiter(',');
   page.add_option("--watch", servos.watch_s,
                   "longest silence of this program before a servo ends its heat, s")
@@ -47,8 +49,8 @@ void add_server_options(CLI::App& page, BridgeSettings& server) {
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
   page.add_option("--units", server.units,
-                  "units of the page in a browser in which none were chosen: bench is degC, MPa, "
-                  "mA, mW, um, %; si is K, Pa, A, W, m, 1")
+                  "units until someone chooses others in the page: bench is degC, MPa, mA, mW, um, "
+                  "mm/s, %; si is K, Pa, A, W, m, m/s, 1")
       ->capture_default_str()
       ->check(CLI::IsMember({"bench", "si"}));
   page.add_option("--patience", server.patience_s,

@@ -154,6 +154,10 @@ std::string real_text(float value, const Unit& unit) {
   }
   constexpr int most_digits = 15;
   const double exact = unit.from_si(static_cast<double>(value));
+  // No rounding of the tiny remainder of an offset is 0.
+  if (static_cast<float>(unit.to_si(0)) == value) {
+    return "0";
+  }
   double rounded = exact;
   for (int digits = 1; digits <= most_digits; ++digits) {
     rounded = std::stod(fmt::format("{:.{}g}", exact, digits));
@@ -169,8 +173,11 @@ std::string real_text(float value, const Unit& unit) {
   throw files::UserError(fmt::format("{} = {}: must be {}", title(object), text, allowed));
 }
 
-std::uint64_t integer(const KnownObject& object, const std::string& text) {
+std::uint64_t integer(const KnownObject& object, std::string text) {
   const auto size = canopen::size_of(object.type);
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
+    text.erase(0, 1);
+  }
   if (canopen::is_signed(object.type)) {
     const std::int64_t limit = std::int64_t{1} << (8 * size - 1);
     std::int64_t number = 0;
