@@ -424,7 +424,7 @@ inline constexpr auto drive_object_rows = [] {
   std::array<DescribedObject,
              command_rows.size() + warning_rows.size() + service_rows.size() + drive_rows.size()>
       rows{};
-  auto at = std::ranges::copy(command_rows, rows.begin()).out;
+  auto* at = std::ranges::copy(command_rows, rows.begin()).out;
   at = std::ranges::copy(warning_rows, at).out;
   at = std::ranges::copy(service_rows, at).out;
   std::ranges::copy(drive_rows, at);
