@@ -27,13 +27,14 @@ eval "$(toolchain/dev 'do' shell_line "$build")"
 cd "$work" # where step keeps its runs
 while IFS= read -r line; do
   echo "+ $line"
+  line=${line%% #*}
   case $line in
     *smaservod*\&)
       eval "${line%&} >$work/daemon 2>&1 &"
       daemon=$!
       becomes is_there
       ;;
-    *\ watch)
+    *\ watch*)
       # Without an end: one row of it.
       eval "timeout $patience_s $line --count 1"
       ;;
