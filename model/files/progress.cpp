@@ -27,7 +27,7 @@ constexpr Pace elsewhere{milliseconds(10'000), milliseconds(10'000)};
 }  // namespace
 
 std::string duration_text(double seconds) {
-  const auto whole = static_cast<long>(std::lround(std::min(seconds, 1e9)));
+  const long whole = std::lround(std::min(seconds, 1e9));
   if (whole < 100) {
     return fmt::format("{} s", whole);
   }
@@ -101,8 +101,9 @@ void Progress::show(const std::stop_token& stop) noexcept {
     if (shown && terminal) {
       redraw("");
     }
-  } catch (const std::exception&) {
-    // Without memory for a line the work goes on unseen.
+  } catch (const std::exception& error) {
+    // The work goes on without.
+    complain("host-sim", error.what());
   }
 }
 

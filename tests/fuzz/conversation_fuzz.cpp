@@ -71,7 +71,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   };
   FuzzedDesk desk;
   Conversation talk(desk, services);
-  talk.greet({.version = "1", .session = "", .client = 1, .read_only = false}, channels(15));
+  talk.greet({.version = "1", .session = "", .client = 1, .read_only = false, .units = "bench"},
+             channels(15));
   const std::string_view input(reinterpret_cast<const char*>(data), size);  // NOLINT(*-cast)
   for (std::size_t at = 0; at + 3 <= size;) {
     const std::size_t length =

@@ -695,10 +695,10 @@ TEST(CanObjects, LiveValuesHaveTwoSpellings) {
 
 TEST(CanObjects, ValuesHaveUnitsBehindThem) {
   const text::KnownObject limit = text::find_object("limits.temperature_K");
-  for (const char* const text : {"393.15", "120degC", "120 degC", "393.15K",
-                                 "+120\xC2\xB0"
-                                 "C",
-                                 "+393.15"}) {
+  const std::string with_sign = std::string("+120\xC2\xB0") + 'C';
+  for (const std::string& text :
+       {std::string("393.15"), std::string("120degC"), std::string("120 degC"),
+        std::string("393.15K"), with_sign, std::string("+393.15")}) {
     EXPECT_EQ(text::value_bytes(limit, text), real_bytes(393.15F)) << text;
   }
   const text::KnownObject strain = text::find_object("limits.max_strain");
