@@ -107,6 +107,7 @@ def by_pkg_config(stage, sources, compiler):
 
 def headers_alone(stage, sources, compiler, *flags):
     """Not as system headers, so that a warning in one of them is an error. Twice, since a header may be."""
+    sys.dont_write_bytecode = True
     sys.path.insert(0, str(sources / 'toolchain/library'))
     import api
     eigen = run('pkg-config', '--cflags', 'eigen3').replace('-I', '-isystem').split()
