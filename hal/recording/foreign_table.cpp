@@ -111,11 +111,17 @@ bool ForeignTable::begins(std::string_view head) {
 
 std::string ForeignTable::program() {
   namespace fs = std::filesystem;
+  constexpr const char* installed = "lib/smaservo/smaservo-table";
   std::error_code error;
-  const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-  const fs::path beside = here.parent_path() / "lib/smaservo/smaservo-table";
-  const fs::path above = here.parent_path().parent_path() / "lib/smaservo/smaservo-table";
-  return !fs::exists(beside, error) && fs::exists(above, error) ? above : beside;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const fs::path beside = folder.parent_path() / installed;
+  for (const fs::path& place : {beside, folder.parent_path().parent_path() / installed,
+                                fs::path("/usr/local") / installed, fs::path("/usr") / installed}) {
+    if (fs::exists(place, error)) {
+      return place;
+    }
+  }
+  return beside;
 }
 
 ForeignTable::ForeignTable(int file, const std::string& program) : program_(program) {

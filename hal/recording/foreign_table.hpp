@@ -15,7 +15,8 @@ class ForeignTable {
   /// Whether a file that begins so is one of these.
   static bool begins(std::string_view head);
   /// Where smaservo-table is: in ../lib/smaservo beside the folder of this program, or, of tests, a
-  /// folder further up.
+  /// folder further up; else, for programs of others, in lib/smaservo of /usr/local or of /usr,
+  /// where the package has it. The first of these if it is nowhere.
   static std::string program();
 
   /// `file` is a regular file, from whose beginning is read; it stays the caller's.

@@ -105,3 +105,10 @@ function(smaservo_compile_together target)
   endforeach()
   set_property(TARGET ${target} PROPERTY SOURCES ${compiled})
 endfunction()
+
+# A static library that may become a part of a shared object. None of its functions is replaced by another
+# object's, so that calls are inlined as in a program.
+function(smaservo_position_independent target)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -fno-semantic-interposition)
+endfunction()
