@@ -99,14 +99,16 @@ struct Output {
   S wanted_power_W;  ///< that the controller asks for, after limits
   Measurement<S> measurement;
   Estimate<S> estimate;
-  S estimated_ambient_K;         ///< by the observer
-  S hot_spot_K;                  ///< highest temperature to be expected anywhere along the wire
-  std::uint32_t limit_reasons;   ///< bit 1 << LimitReason
-  FaultSet active;               ///< conditions present now, after their deglitch time
-  FaultSet latched;              ///< faults that have not been cleared
-  Fault first_cause;             ///< the fault that was latched first; Fault::none without one
-  FaultSet warnings;             ///< each stands for at least a second after its cause
-  WarningCounts warning_causes;  ///< how often the cause of each warning has come
+  S estimated_ambient_K;        ///< by the observer
+  S hot_spot_K;                 ///< highest temperature to be expected anywhere along the wire
+  std::uint32_t limit_reasons;  ///< bit 1 << LimitReason
+  FaultSet active;              ///< conditions present now, after their deglitch time
+  FaultSet latched;             ///< faults that have not been cleared
+  Fault first_cause;            ///< the fault that was latched first; Fault::none without one
+  FaultSet warnings;            ///< each stands for at least a second after its cause
+  /// Of each warning in turn, one in each step. So a reader that has missed steps has all counts
+  /// again after warning_count steps, and an output is copied without all of them.
+  WarningCount told_count;
   FaultSet blocks;        ///< all reasons why the device cannot be armed; empty while it is armed
   std::uint64_t time_us;  ///< of the loop: the sum of all dt_s since start()
   std::uint64_t first_cause_us;  ///< time of the first cause

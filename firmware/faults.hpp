@@ -160,4 +160,10 @@ inline constexpr std::size_t warning_count = 19;
 /// a warning see safety/standing.hpp.
 using WarningCounts = std::array<std::uint32_t, warning_count>;
 
+/// One of them.
+struct WarningCount {
+  std::uint8_t place;
+  std::uint32_t causes;
+};
+
 }  // namespace smaservo

@@ -31,6 +31,7 @@ struct StandingWarnings {
   FaultSet standing;  ///< warnings to be reported
   std::array<S, warning_count> left_s;
   WarningCounts came;
+  std::uint8_t turn;
 
   /// `now`: warnings whose cause is present in this step, a part of warning_faults. `clear` ends
   /// those whose cause has gone. Cost: some operations for each warning that stands; otherwise next
@@ -50,8 +51,11 @@ struct StandingWarnings {
       }
     });
     present = now;
+    turn = turn + 1U < warning_count ? static_cast<std::uint8_t>(turn + 1U) : std::uint8_t{0};
     return standing;
   }
+  /// The count whose turn it is.
+  WarningCount told() const { return {turn, came[turn]}; }
 };
 
 }  // namespace smaservo

@@ -10,6 +10,7 @@
 #include "firmware/text/settings_file.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
+#include "model/files/wire/wire_header.hpp"
 
 namespace smaservo::describe {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 struct DescribeArguments {
   std::string topic;
   std::string wire{files::default_wire};
+  std::string as{"toml"};
   bool real_defaults = false;
 };
 
@@ -41,6 +43,11 @@ constexpr auto topics = std::to_array<Topic>({
      [](const DescribeArguments&) { return text::parameter_reference(); }},
     {"settings", "a settings file to start from, for the wire of --wire",
      [](const DescribeArguments& a) { return text::settings_template(a.wire); }},
+    {"wire", "the wire of --wire with all its numbers: a wire file, or with --as header C++",
+     [](const DescribeArguments& a) {
+       const files::WireDescription wire = files::load_wire(a.wire);
+       return a.as == "header" ? files::to_header(wire) : files::to_toml(wire);
+     }},
 });
 
 std::string list_of_topics() {
@@ -52,6 +59,10 @@ std::string list_of_topics() {
 }
 
 void describe(const DescribeArguments& a) {
+  if (a.as != "toml" && a.topic != "wire") {
+    throw files::UserError(fmt::format(
+        "describe {} --as {}: --as is for the topic wire alone; leave it out", a.topic, a.as));
+  }
   for (const Topic& topic : topics) {
     if (topic.name == a.topic) {
       files::print(topic.text(a));
@@ -74,6 +85,8 @@ void add_describe_command(CLI::App& app) {
   auto a = std::make_shared<DescribeArguments>();
   command->add_option("TOPIC", a->topic, "one of:" + list_of_topics())->required();
   command->add_option("--wire", a->wire, "preset or file that ends in .toml; " + a->wire);
+  command->add_option("--as", a->as, "of wire: toml, or header for a program that reads no files")
+      ->check(CLI::IsMember({"toml", "header"}));
   command->add_flag("--real-defaults", a->real_defaults,
                     "of eds: with decimal defaults of REAL32 objects, for gocanopen, which needs "
                     "them; Lely and ros2_canopen refuse them");

@@ -1,61 +1,56 @@
-// The whole device as a microcontroller's main program calls it: in float, without heap or
-// exceptions, one step each millisecond. Only the simulated wire, the settings file and the
-// printing need a PC.
+// The whole device as a microcontroller's main program calls it: in float, without files, heap or
+// exceptions, one step each millisecond. Only the simulated wire and the printing need a PC.
+// smartflex_76um.hpp is made by `host-sim describe wire --wire smartflex-76um --as header`.
 
-#include <cmath>
-#include <fmt/format.h>
+#include <cstdio>
+#include <smaservo/firmware/parameters/parameters.hpp>
+#include <smaservo/firmware/servo.hpp>
+#include <smaservo/model/units.hpp>
+#include <smaservo/model/wire/wire_plant.hpp>
 
-#include "firmware/device/device.hpp"
-#include "firmware/parameters/parameters.hpp"
-#include "firmware/text/settings_file.hpp"
+#include "smartflex_76um.hpp"
 
 using namespace smaservo;
-using Model = Plant<ThreePhase<float>>;
 namespace {
-/// Replaces your registers: a wire under 0.68 N, and the current through it.
-class Hardware {
- public:
-  explicit Hardware(const Model::Params& wire) : wire_(wire) {}
-  Inputs<float> read() {
-    const float ohm = Model::resistance_ohm(wire_, state_, 298.15F);
-    const float V = current_A_ * ohm;
-    Model::advance(wire_, state_, {V * current_A_, 150e6F, 298.15F}, 1e-3F);
-    Inputs<float> in{};
-    in.fresh = true;  // false: no sample has come in this period
-    in.sequence = ++sequence_;
-    in.sample = {current_A_, V, 0.68F};
-    in.supply_V = 24;
-    in.ambient_K = in.driver_K = NAN;  // there are no such sensors
-    return in;
-  }
-  void drive(float current_A) { current_A_ = current_A; }
 
- private:
-  Model::Params wire_;
-  Model::State state_ = Model::rest(wire_, {298.15F, 150e6F});
-  float current_A_ = 0;
-  std::uint32_t sequence_ = 0;
-};
+/// Every parameter has its default; what the wire's maker and your bench allow has none.
+Settings<float> settings() {
+  Settings<float> s = default_settings<float>();
+  s.wire = wire_smartflex_76um<float>();
+  s.measurement.current_full_scale_A = 0.5F;
+  s.limits.min_current_A = 0.02F;
+  s.limits.current_A = 0.4F;
+  s.limits.power_W = 10;
+  s.limits.temperature_K = 393.15F;
+  s.limits.hot_spot_K = 18;
+  s.limits.stress_Pa = 300e6F;
+  s.trips.current_A = 0.45F;
+  s.trips.temperature_K = 403.15F;
+  s.trips.stress_Pa = 400e6F;
+  return s;
+}
+
 }  // namespace
 
 int main() {
-  // On a microcontroller the settings are in flash: firmware/parameters/store/store.hpp.
-  const char* const file = "host-sim/scenarios/devices/smartflex-76um.toml";
-  static const Prepared<float> prepared =
-      prepare(stored_settings<float>(text::load_settings_file(file)));
-  static Device<float>::State device = Device<float>::start();
-  Hardware hardware(prepared.observer.model);
-  fmt::print("time s  current A  strain %  temperature degC\n");
+  // What a microcontroller needs to be sure of before it heats anything.
+  static Servo servo{settings()};
+  static WirePlant wire{settings().wire, 0.68F};
+  float current_A = 0;
+  std::puts("time s  current A  strain %  temperature degC");
   for (int i = 1; i <= 3000; ++i) {
-    Command<float> command{.fresh = true, .arm = true, .mode = Mode::strain};
-    command.setpoint = i < 1500 ? 0.03F : 0.01F;
-    const Output<float> out =
-        Device<float>::step(prepared, device, hardware.read(), command, 1e-3F);
-    hardware.drive(out.drive_current_A);
+    // Your converters. A reading that could not be taken is NAN.
+    const Sample<float> reading{.current_A = current_A,
+                                .voltage_V = current_A * wire.output().resistance_ohm,
+                                .load_N = 0.68F};
+    const Output out =
+        servo.update(reading, {.mode = Mode::strain, .setpoint = i < 1500 ? 0.03F : 0.01F}, 1e-3F);
+    current_A = out.drive_current_A;  // to your current source
+    wire.update({.current_A = current_A, .load_N = 0.68F}, 1e-3F);
     if (i % 250 == 0) {
-      fmt::print("{:6.2f}  {:9.3f}  {:8.2f}  {:16.1f}\n", i * 1e-3, out.drive_current_A,
-                 100 * out.estimate.strain,
-                 out.estimate.temperature_K - static_cast<float>(zero_degC_K));
+      std::printf("%6.2f  %9.3f  %8.2f  %16.1f\n", i * 1e-3, static_cast<double>(current_A),
+                  100 * static_cast<double>(out.estimate.strain),
+                  static_cast<double>(out.estimate.temperature_K) - zero_degC_K);
     }
   }
 }

@@ -132,7 +132,7 @@ void Servo<S>::publish(const Output<S>& out, const Inputs<S>& in, const S& dt_s)
   report.latched = out.latched;
   report.active = out.active;
   report.warnings = out.warnings;
-  report.warning_causes = out.warning_causes;
+  report.told_count = out.told_count;
   report.blocks = out.blocks;
   report.first_cause = out.first_cause;
   report.limit_reasons = out.limit_reasons;

@@ -416,7 +416,7 @@ void ServoCore::show_load() {
 void ServoCore::publish(const StepReport& report) {
   signals_ = report.signals;
   objects_.limit_reasons = report.limit_reasons;
-  objects_.warning_causes = report.warning_causes;
+  objects_.warning_causes.at(report.told_count.place) = report.told_count.causes;
   objects_.device_state = static_cast<std::uint8_t>(report.state);
   objects_.first_cause = static_cast<std::uint8_t>(report.first_cause);
   show_faults(report);

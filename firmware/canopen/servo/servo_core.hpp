@@ -47,7 +47,7 @@ struct StepReport {
   FaultSet latched, active, warnings, blocks;
   Fault first_cause;
   std::uint32_t limit_reasons;
-  WarningCounts warning_causes;
+  WarningCount told_count;
   float dt_s;
 };
 

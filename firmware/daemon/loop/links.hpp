@@ -51,7 +51,9 @@ struct LoopFigures {
   Histogram wake;             ///< delay of a cycle's wake-up
   Histogram execution;        ///< from waking up to the end of the cycle
   Histogram sample_to_drive;  ///< from the instant of the sample to the command of the drive
-  std::array<Stop, fault_count> stops{};      ///< by the fault that ended a current
+  std::array<Stop, fault_count> stops{};  ///< by the fault that ended a current
+  /// As WarningCounts.
+  std::array<std::atomic<std::uint32_t>, warning_count> warning_causes{};
   std::atomic<std::uint64_t> guard_stops{0};  ///< times that the guard had to switch off
 };
 

@@ -110,6 +110,8 @@ bool Loop<B, Pacing>::cycle() {
   const std::int64_t driven_ns = hal::monotonic_ns();
   source_.tell(cycle, dt_s);
   links_.output.put(cycle.output);
+  const WarningCount& told = cycle.output.told_count;
+  figures_.warning_causes.at(told.place).store(told.causes, std::memory_order_relaxed);
   note_stop(before, sampled_ns, driven_ns);
   leave_record();
   // The first frame does not count: it lay there until the loop began.

@@ -44,10 +44,10 @@ Json stops_json(const LoopFigures& figures) {
   return stops;
 }
 
-Json warning_causes_json(const WarningCounts& causes) {
+Json warning_causes_json(const LoopFigures& figures) {
   Json counts = Json::object();
   for_each_fault(warning_faults, [&](Fault fault) {
-    if (const std::uint32_t count = causes.at(warning_index(fault))) {
+    if (const std::uint32_t count = figures.warning_causes.at(warning_index(fault)).load()) {
       counts[std::string(fault_name(fault))] = count;
     }
   });
@@ -77,7 +77,7 @@ std::string status_json(const Status& status) {
             {"latched", json_of(out.latched)},
             {"first_cause", fault_name(out.first_cause)},
             {"warnings", json_of(out.warnings)},
-            {"warning_causes", warning_causes_json(out.warning_causes)},
+            {"warning_causes", warning_causes_json(f)},
             {"blocks", json_of(out.blocks)},
             {"cycles", f.cycles.load()},
             {"missed", f.missed.load()},
@@ -144,7 +144,7 @@ std::string status_text(const Status& status) {
     }
   }
   for_each_fault(warning_faults, [&](Fault fault) {
-    if (const std::uint32_t count = out.warning_causes.at(warning_index(fault))) {
+    if (const std::uint32_t count = f.warning_causes.at(warning_index(fault)).load()) {
       text += fmt::format("warned of {}: its cause has come {} time{}\n", fault_name(fault), count,
                           count == 1 ? "" : "s");
     }

@@ -1,5 +1,6 @@
 #include "firmware/daemon/status/status_writer.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 #include "firmware/daemon/status/recorder.hpp"
@@ -27,7 +28,10 @@ void StatusWriter::look() {
                                 fault_name(fault), fault_row(fault).text));
   });
   logged_ = output_.latched;
-  for (const std::string& line : journal_.lines(output_)) {
+  WarningCounts causes{};
+  std::ranges::transform(from_.figures.warning_causes, causes.begin(),
+                         [](const auto& count) { return count.load(std::memory_order_relaxed); });
+  for (const std::string& line : journal_.lines(output_.time_us, causes)) {
     files::complain("smaservod", line);
   }
   from_.usage.look(from_.figures.cycles.load());

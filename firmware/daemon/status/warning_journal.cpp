@@ -13,15 +13,15 @@ double seconds(std::uint64_t us) {
 
 }  // namespace
 
-std::vector<std::string> WarningJournal::lines(const Output<double>& output) {
-  if (output.time_us < time_us_) {
+std::vector<std::string> WarningJournal::lines(std::uint64_t time_us, const WarningCounts& all) {
+  if (time_us < time_us_) {
     told_ = {};
   }
-  time_us_ = output.time_us;
+  time_us_ = time_us;
   std::vector<std::string> lines;
   for_each_fault(warning_faults, [&](Fault fault) {
     Told& told = told_.at(warning_index(fault));
-    const std::uint32_t causes = output.warning_causes.at(warning_index(fault));
+    const std::uint32_t causes = all.at(warning_index(fault));
     if (causes == told.causes) {
       return;
     }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/command.hpp"
+#include "firmware/faults.hpp"
 
 namespace smaservo::daemon {
 
@@ -16,10 +16,10 @@ class WarningJournal {
  public:
   static constexpr std::uint64_t quiet_us = 60'000'000;
 
-  /// The lines that are due after an output of the loop, often none. Outputs may be missed: the
-  /// counts are the device's own. An output earlier than the last one is that of a device that has
-  /// started anew.
-  std::vector<std::string> lines(const Output<double>& output);
+  /// The lines that are due at this time of the loop, often none. `all` are the device's own
+  /// counts, so it does not matter how often this is called. A time earlier than the last one is
+  /// that of a device that has started anew.
+  std::vector<std::string> lines(std::uint64_t time_us, const WarningCounts& all);
 
  private:
   struct Told {

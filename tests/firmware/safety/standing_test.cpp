@@ -74,6 +74,25 @@ TEST(StandingWarnings, StandAndCountAsTheirDefinitionSays) {
   }
 }
 
+/// A reader that has missed whatever outputs has all counts after as many steps as there are
+/// warnings.
+TEST(StandingWarnings, TellEachCountInTurn) {
+  std::mt19937_64 random(1);
+  StandingWarnings<float> s{};
+  WarningCounts read{};
+  for (int round = 0; round < 200; ++round) {
+    const auto missed = random() % 100;
+    for (std::uint64_t i = 0; i < missed; ++i) {
+      s.step(FaultSet::from_bits(random()) & warning_faults, false, 1e-3F);
+    }
+    for (std::size_t i = 0; i < warning_count; ++i) {
+      s.step(s.present, false, 1e-3F);  // nothing new comes
+      read.at(s.told().place) = s.told().causes;
+    }
+    ASSERT_EQ(read, s.came) << "round " << round;
+  }
+}
+
 TEST(StandingWarnings, EachFaultHasItsOwnPlace) {
   std::vector<int> used(warning_count, 0);
   for (const Fault fault : warnings()) {
@@ -91,7 +110,7 @@ TEST(StandingWarnings, DoNotFlickerWhereAWireIsPressedAgainstItsLimit) {
   rig.arm(Mode::power, 10);
   const std::size_t limit = warning_index(Fault::heat_limit);
   ASSERT_TRUE(rig.out.warnings.has(Fault::heat_limit));
-  std::uint32_t causes = rig.out.warning_causes.at(limit);
+  std::uint32_t causes = rig.state.supervisor.warnings.came.at(limit);
   bool before = rig.out.active.has(Fault::heat_limit);
   for (int i = 0; i < 60'000; ++i) {
     rig.step();
@@ -101,7 +120,7 @@ TEST(StandingWarnings, DoNotFlickerWhereAWireIsPressedAgainstItsLimit) {
     ASSERT_TRUE(rig.out.warnings.has(Fault::heat_limit)) << "at step " << i;
     ASSERT_TRUE(rig.out.limited_by(LimitReason::protection));
   }
-  EXPECT_EQ(rig.out.warning_causes.at(limit), causes);
+  EXPECT_EQ(rig.state.supervisor.warnings.came.at(limit), causes);
   EXPECT_GT(causes, 1000U) << "otherwise there is nothing here that could flicker";
   rig.command.arm = false;
   rig.run(1.1);

@@ -7,6 +7,7 @@
 #include "firmware/safety/faults/table.hpp"
 #include "firmware/text/canopen/parameter_reference.hpp"
 #include "firmware/text/settings_file.hpp"
+#include "model/files/wire/wire_header.hpp"
 #include "tests/host-sim/program.hpp"
 #include "tests/places.hpp"
 
@@ -43,6 +44,26 @@ TEST(Describe, PrintsSettingsThatCanBeRead) {
   EXPECT_EQ(f.status, 0);
   const std::string file = program.folder().write("device.toml", f.out);
   EXPECT_EQ(text::load_settings_file(file).wire.geometry.diameter_m, static_cast<double>(1e-4F));
+}
+
+TEST(Describe, PrintsAWireThatCanBeRead) {
+  Program program;
+  const Finished f = program.run({"describe", "wire", "--wire", "flexinol-ht-0.10mm"});
+  EXPECT_EQ(f.status, 0);
+  EXPECT_EQ(f.out, files::to_toml(files::load_wire("flexinol-ht-0.10mm")));
+}
+
+TEST(Describe, OnlyAWireIsAHeader) {
+  Program program;
+  Finished f = program.run({"describe", "wire", "--as", "header"});
+  EXPECT_EQ(f.status, 0);
+  EXPECT_EQ(f.out, files::to_header(files::load_wire(std::string(files::default_wire))));
+  f = program.run({"describe", "faults", "--as", "header"});
+  EXPECT_EQ(f.status, 1);
+  EXPECT_THAT(f.err, HasSubstr("describe faults --as header: --as is for the topic wire alone"));
+  f = program.run({"describe", "wire", "--as", "json"});
+  EXPECT_NE(f.status, 0);
+  EXPECT_THAT(f.err, HasSubstr("--as"));
 }
 
 TEST(Describe, UnknownTopicsAndWiresEndWith1) {

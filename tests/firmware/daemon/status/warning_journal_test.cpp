@@ -12,33 +12,33 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-Output<double> output(double time_s, Fault fault, std::uint32_t causes) {
-  Output<double> out{};
-  out.time_us = static_cast<std::uint64_t>(time_s * 1e6);
-  out.warning_causes.at(warning_index(fault)) = causes;
-  return out;
+/// What is due when the device has counted this.
+std::vector<std::string> due(WarningJournal& journal, double time_s, Fault fault,
+                             std::uint32_t causes) {
+  WarningCounts all{};
+  all.at(warning_index(fault)) = causes;
+  return journal.lines(static_cast<std::uint64_t>(time_s * 1e6), all);
 }
 
 TEST(WarningJournal, TellsAWarningAtOnceAndThenOnceAMinute) {
   WarningJournal journal;
-  EXPECT_THAT(journal.lines(output(1, Fault::heat_limit, 0)), IsEmpty());
-  EXPECT_THAT(journal.lines(output(2.5, Fault::heat_limit, 1)),
+  EXPECT_THAT(due(journal, 1, Fault::heat_limit, 0), IsEmpty());
+  EXPECT_THAT(due(journal, 2.5, Fault::heat_limit, 1),
               ElementsAre(HasSubstr("2.500 s: warning heat_limit: The heat put into the wire")));
-  EXPECT_THAT(journal.lines(output(40, Fault::heat_limit, 5000)), IsEmpty());
-  EXPECT_THAT(journal.lines(output(62.5, Fault::heat_limit, 8401)),
+  EXPECT_THAT(due(journal, 40, Fault::heat_limit, 5000), IsEmpty());
+  EXPECT_THAT(due(journal, 62.5, Fault::heat_limit, 8401),
               ElementsAre("62.500 s: warning heat_limit: its cause has come 8400 times more in the "
                           "last 60 s"));
-  EXPECT_THAT(journal.lines(output(300, Fault::heat_limit, 8401)), IsEmpty());
-  EXPECT_THAT(journal.lines(output(301, Fault::heat_limit, 8402)),
+  EXPECT_THAT(due(journal, 300, Fault::heat_limit, 8401), IsEmpty());
+  EXPECT_THAT(due(journal, 301, Fault::heat_limit, 8402),
               ElementsAre(HasSubstr("its cause has come once more in the last 238 s")));
 }
 
 TEST(WarningJournal, TellsADeviceThatHasStartedAnewAnew) {
   WarningJournal journal;
-  journal.lines(output(100, Fault::drift, 1));
-  EXPECT_THAT(journal.lines(output(0.5, Fault::drift, 0)), IsEmpty());
-  EXPECT_THAT(journal.lines(output(3, Fault::drift, 1)),
-              ElementsAre(HasSubstr("3.000 s: warning drift: ")));
+  due(journal, 100, Fault::drift, 1);
+  EXPECT_THAT(due(journal, 0.5, Fault::drift, 0), IsEmpty());
+  EXPECT_THAT(due(journal, 3, Fault::drift, 1), ElementsAre(HasSubstr("3.000 s: warning drift: ")));
 }
 
 /// Whatever comes, when, and however many outputs are missed: no more than one line a minute for
@@ -53,7 +53,7 @@ TEST(WarningJournal, IsBriefAndLeavesNothingOut) {
     double last_s = -60;
     for (double time_s = 0; time_s < 4000; time_s += gap_s(random)) {
       causes += more(random);
-      const auto lines = journal.lines(output(time_s, Fault::duty, causes));
+      const auto lines = due(journal, time_s, Fault::duty, causes);
       ASSERT_LE(lines.size(), 1U);
       if (!lines.empty()) {
         ASSERT_GE(time_s - last_s, 60 - 1e-5);
