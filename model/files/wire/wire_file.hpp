@@ -13,6 +13,7 @@
 
 namespace smaservo::files {
 
+/// What a wire file says.
 struct WireDescription {
   std::string name;
   Wire<double> wire;
