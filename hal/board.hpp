@@ -51,7 +51,8 @@ concept Board = requires(B board, FrameOf<S>& frame, const DriveCommandOf<S>& co
   /// Switches the current off; allowed in any state, any number of times.
   { board.safe_off() } -> std::same_as<void>;
   /// Triggers the one-shot, a retriggerable circuit that cuts the drive off some milliseconds after
-  /// the last kick. Called once after each successful step, and at no other time.
+  /// the last kick. Called after each step that heats and has had a new frame, and at no other
+  /// time.
   { board.kick() } -> std::same_as<void>;
   /// The present time, on the clock of Frame::time_ns.
   { board.now_ns() } -> std::same_as<std::int64_t>;

@@ -1,6 +1,6 @@
 #pragma once
-// The observer as an object: readings of current, voltage and load in, strain out. It is what
-// `host-sim replay` runs, to the last bit.
+// The observer as an object: readings of current, voltage and load in, strain out. For a recording
+// in one piece it gives the bits of `host-sim replay` with its default settings.
 //
 //   Estimator estimator{wire};
 //   const auto now = estimator.update({.current_A = 0.17, .voltage_V = 3.9, .load_N = 0.68}, 1e-3);
@@ -57,10 +57,10 @@ class Estimator {
       : sensors_(sensors), params_{plant_params(wire), tuning}, ambient_K_(ambient_K) {}
 
   /// The estimate after a reading that was taken dt_s after the last one; the first reading's dt_s
-  /// is not used. Any interval is allowed: longer ones are divided into steps of 5 ms, and one of
-  /// more than longest_gap_s starts anew. A reading that is NaN or out of range is not used, the
-  /// others are. Nothing changes, and the numbers are NaN with Health::doubtful, if dt_s is not
-  /// greater than 0, and before the first reading with a load.
+  /// is not used. Any interval is allowed: one of more than 7.5 ms is divided into equal steps of
+  /// about 5 ms, and one of more than longest_gap_s starts anew. A value that is NaN or out of
+  /// range is not used, the others are. All numbers are NaN, with Health::doubtful, until a reading
+  /// has a load, and if dt_s is not greater than 0; such a reading is ignored.
   Estimate<S> update(const Sample<S>& reading, const S& dt_s) {
     using std::isfinite;
     if (started_ && !(S(0) < dt_s)) {
@@ -84,7 +84,8 @@ class Estimator {
 
   /// Forgets all readings.
   void restart() { started_ = false; }
-  /// Whether there has been a reading with a load; until then update() knows nothing.
+  /// Whether it has an estimate: there has been a reading with a load since the start, the last
+  /// restart() and the last long gap.
   bool started() const { return started_; }
 
   /// Resistance, power and stress of the last reading.

@@ -24,16 +24,17 @@ namespace smaservo {
 template <class S>
 class Servo {
  public:
-  /// Settings that check() has passed, as load_settings_file() gives them: their numbers are not
-  /// checked again.
+  /// Settings that check() of firmware/parameters/parameter_check.hpp has passed, as
+  /// load_settings_file() gives them: their numbers are not checked again.
   explicit Servo(const Settings<S>& settings) : prepared_(prepare(settings)) {}
 
-  /// One period: dt_s since the last one, 0.1 to 20 ms; after a longer one the device reports
-  /// loop_stalled and gives no current. A reading that is NaN is a sensor that has failed, and ends
-  /// heat. Any mode but Mode::off asks to run: the device then arms itself, which takes some tenths
-  /// of a second, unless Output::blocks says what is in the way. `fresh` and `arm` of the command
-  /// are not looked at. A set-point that is not allowed is limited; Output::setpoint is what is in
-  /// force. A dt_s that is not greater than 0 makes no step and gives no current.
+  /// One period: dt_s since the last call, about settings.timing.period_s (0.1 to 20 ms). After
+  /// more than three periods the device reports loop_stalled and gives no current. A reading that
+  /// is NaN is a sensor that has failed, and ends heat. Any mode but Mode::off asks to run: the
+  /// device then arms itself, which takes some tenths of a second, unless Output::blocks says what
+  /// is in the way. `fresh` and `arm` of the command are not looked at. A set-point that is not
+  /// allowed is limited; Output::setpoint is what is in force. A dt_s that is not greater than 0
+  /// makes no step and gives no current.
   Output<S> update(const Sample<S>& reading, Command<S> command, const S& dt_s) {
     constexpr S nan = std::numeric_limits<S>::quiet_NaN();
     Inputs<S> in{};

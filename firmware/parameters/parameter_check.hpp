@@ -24,6 +24,7 @@ struct Finding {
   std::size_t other = no_parameter;  ///< the other parameter of a contradiction
   std::size_t rule = 0;              ///< for a contradiction: row of `parameter_rules`
 
+  /// Whether there is no problem.
   constexpr bool ok() const { return problem == Problem::none; }
 };
 
@@ -53,6 +54,7 @@ struct RuleRow {
   float factor;
 };
 
+/// A rule with its text.
 struct Rule : RuleRow {
   std::string_view meaning;
 };

@@ -25,7 +25,8 @@ class OwnBoard {
   }
   void drive(const hal::DriveCommand& command) { command_ = command; }
   void safe_off() { command_ = {}; }
-  void kick() {}  // yours triggers the circuit that cuts the heat when the program hangs
+  // Yours restarts the timer of the circuit that cuts the heat when the program hangs.
+  void kick() {}
   std::int64_t now_ns() const { return time_ns_; }
 
  private:

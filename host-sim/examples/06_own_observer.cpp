@@ -1,7 +1,7 @@
 // An observer of one's own, judged beside ours:
 //   host-sim evaluate --observer kalman --observer-program ./06_own_observer
-// It draws a straight line from the resistance of the hot wire to that of the cold one, under the
-// load of the moment. host-sim evaluate writes rows to it, and reads a strain for each.
+// It takes the strain as linear in the resistance, between those of the hot and of the cold wire
+// under the present load. host-sim evaluate writes rows to it, and reads a strain for each.
 
 #include <algorithm>
 #include <cstdio>
@@ -9,6 +9,7 @@
 #include <iostream>
 #include <smaservo/model/files/wire/wire_file.hpp>
 #include <smaservo/model/wire/wire_plant.hpp>
+#include <sstream>
 #include <string>
 
 using namespace smaservo;
@@ -37,8 +38,9 @@ int main(int argc, char** argv) try {
     double current_A = 0;
     double voltage_V = 0;
     double load_N = 0;
-    if (std::sscanf(row.c_str(), "%lf,%lf,%lf,%lf", &time_s, &current_A, &voltage_V, &load_N) !=
-        4) {
+    char comma = 0;
+    std::istringstream numbers(row);
+    if (!(numbers >> time_s >> comma >> current_A >> comma >> voltage_V >> comma >> load_N)) {
       std::fprintf(stderr, "not four numbers: %s\n", row.c_str());
       return 1;
     }

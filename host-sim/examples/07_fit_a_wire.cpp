@@ -1,5 +1,5 @@
-// Fits three numbers of a wire to a recording by its resistance: heat loss, and the resistivities
-// of martensite and austenite. `host-sim identify` fits all numbers, with priors and errors.
+// Fits three numbers of a wire to a recording by its resistance: convection, and the resistivities
+// of martensite and austenite. `host-sim identify` fits all but length and diameter, with errors.
 
 #include <cmath>
 #include <cstdio>
@@ -11,11 +11,9 @@
 #include <vector>
 
 using namespace smaservo;
-static const Wire<double> preset = files::load_wire("smartflex-76um").wire;
-
-/// The preset with three of its numbers changed by these factors.
-Wire<double> changed(const Eigen::VectorXd& factors) {
-  Wire<double> w = preset;
+namespace {
+/// A wire with three of its numbers changed by these factors.
+Wire<double> changed(Wire<double> w, const Eigen::VectorXd& factors) {
   w.heat.convection_W_m2K *= factors[0];
   w.material.martensite.resistivity_ohm_m *= factors[1];
   w.material.austenite.resistivity_ohm_m *= factors[2];
@@ -27,7 +25,7 @@ struct Deviations : Eigen::DenseFunctor<double> {
   explicit Deviations(const std::vector<hal::Frame>& frames)
       : DenseFunctor(3, static_cast<int>(frames.size())), run(frames) {}
   int operator()(const Eigen::VectorXd& factors, Eigen::VectorXd& ohm) const {
-    WirePlant plant{changed(factors), run[0].load_N};
+    WirePlant plant{changed(preset, factors), run[0].load_N};
     for (std::size_t i = 0; i < run.size(); ++i) {
       const WireInput<double> in{.current_A = run[i].current_A, .load_N = run[i].load_N};
       const double measured_ohm = run[i].voltage_V / run[i].current_A;
@@ -35,8 +33,10 @@ struct Deviations : Eigen::DenseFunctor<double> {
     }
     return 0;
   }
+  Wire<double> preset = files::load_wire("smartflex-76um").wire;
   std::vector<hal::Frame> run;
 };
+}  // namespace
 
 int main() {
   std::vector<hal::Frame> run;
@@ -51,9 +51,9 @@ int main() {
   Eigen::VectorXd before(run.size());
   deviations(factors, before);
   solver.minimize(factors);
-  const double rows = static_cast<double>(run.size());
+  const auto rows = static_cast<double>(run.size());
   std::printf("error of the resistance %.3f ohm, fitted %.3f ohm\n",
               std::sqrt(before.squaredNorm() / rows), solver.fnorm() / std::sqrt(rows));
-  std::printf("loss * %.3f, martensite * %.3f, austenite * %.3f\n", factors[0], factors[1],
+  std::printf("convection * %.3f, martensite * %.3f, austenite * %.3f\n", factors[0], factors[1],
               factors[2]);
 }

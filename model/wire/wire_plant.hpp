@@ -30,7 +30,7 @@ template <class S>
 struct WireOutput {
   S strain;          ///< elongation of the whole wire: greatest in cold martensite
   S resistance_ohm;  ///< of the wire alone
-  S temperature_K;   ///< of the wire's middle
+  S temperature_K;   ///< of the wire without the ends that the clamps cool
   S martensite;      ///< mean fraction over the whole wire, 0 to 1
   S r_phase;         ///< likewise; austenite is the rest
 };
@@ -42,9 +42,9 @@ class WirePlant {
  public:
   using Model = Plant<ThreePhase<S>>;
 
-  /// A longer step is divided into equal ones of at most this.
+  /// update() divides dt_s into equal parts of at most this.
   static constexpr S longest_step_s = S(5e-3);
-  /// No step is longer than this.
+  /// update() refuses a longer dt_s.
   static constexpr S longest_update_s = S(60);
 
   /// The wire rests at this ambient temperature under this load, cooled from far above. `wire` is a
@@ -57,7 +57,7 @@ class WirePlant {
     rest(load_N, ambient_K);
   }
 
-  /// Puts the wire at rest, as the constructor does.
+  /// Puts the wire at rest, cooled from far above, as the constructor does.
   void rest(const S& load_N, const S& ambient_K) {
     ambient_K_ = ambient_K;
     state_ = Model::rest(params_, {ambient_K, load_N / area_m2_});

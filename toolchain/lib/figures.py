@@ -105,9 +105,11 @@ FIGURES = {
         alone=True, tables={'tests/bench/README.md': ('bench', lambda printed: printed.rstrip() + '\n')}),
     'examples': Figure(
         'written', 'what the examples print', ['host-sim/examples/README.md'],
-        'for program in 01_estimate_from_csv 02_simulate_a_wire 03_own_controller 04_own_board 05_device_step; do '
-        'tests/host-sim/examples.sh build/release/host-sim/examples/$program --write; done',
-        5, ['01_estimate_from_csv', '02_simulate_a_wire', '03_own_controller', '04_own_board', '05_device_step']),
+        "ctest --test-dir build/release -R '^(Library[.]Install|Examples[.]Build)$' && "
+        'for source in host-sim/examples/*.cpp; do program=${source##*/}; '
+        'tests/library/examples.sh build/release/library-examples/examples/${program%.cpp} '
+        f'{HOST_SIM} --write || exit; done',
+        60, ['host-sim', 'smaservo_library', 'smaservo-table']),
     'reference': Figure(
         'written', 'parameters, faults and objects of the device',
         [f'firmware/reference/{name}' for name in
