@@ -28,6 +28,7 @@ struct GainScale {
   S proportional = S(1), integral = S(1), derivative = S(1);
 };
 
+/// What a device is told in a step.
 template <class S>
 struct Command {
   bool fresh = false;  ///< received since the last step: the command source is alive
@@ -84,6 +85,7 @@ enum class LimitReason : std::uint8_t {
   count
 };
 
+/// A step's result: what the drive is to do, and why.
 template <class S>
 struct Output {
   // To the drive. Zero unless heat is allowed.
@@ -112,6 +114,7 @@ struct Output {
   std::uint64_t first_cause_us;  ///< time of the first cause
   S cooling;  ///< as a share of the wire file's, by the last test; 1 where it is not weaker
 
+  /// Whether this reason holds the output.
   constexpr bool limited_by(LimitReason reason) const {
     return (limit_reasons >> static_cast<unsigned>(reason) & 1U) != 0;
   }

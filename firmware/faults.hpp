@@ -97,16 +97,22 @@ inline constexpr std::size_t fault_class_count = 6;
 class FaultSet {
  public:
   constexpr FaultSet() = default;
+  /// The set of this fault alone.
   constexpr FaultSet(Fault fault) : bits_(bit(fault)) {}  // NOLINT(google-explicit-constructor)
+  /// From the bits of bits().
   static constexpr FaultSet from_bits(std::uint64_t bits) {
     FaultSet set;
     set.bits_ = bits;
     return set;
   }
 
+  /// Bit n is the fault of number n.
   constexpr std::uint64_t bits() const { return bits_; }
+  /// Whether no fault is in it.
   constexpr bool empty() const { return bits_ == 0; }
+  /// Whether this fault is in it.
   constexpr bool has(Fault fault) const { return (bits_ & bit(fault)) != 0; }
+  /// Adds the fault, or takes it out.
   constexpr void set(Fault fault, bool on = true) {
     bits_ = on ? bits_ | bit(fault) : bits_ & ~bit(fault);
   }

@@ -11,6 +11,7 @@
 
 namespace smaservo {
 
+/// A device's settings with all that the loop needs of them; prepare() makes it.
 template <class S>
 struct Prepared {
   using Observer = Substepping<MultipleModelFilter<S>>;

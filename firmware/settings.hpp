@@ -9,11 +9,13 @@
 
 namespace smaservo {
 
+/// Which device this is on its bus.
 struct Identity {
   std::uint32_t serial_number;
   std::uint32_t node_id;
 };
 
+/// The period of the loop, and how long it waits.
 template <class S>
 struct Timing {
   S period_s;           ///< nominal, of the loop
@@ -53,6 +55,7 @@ enum class DriveKind : std::uint8_t {
   voltage,  ///< a chopper: voltage over supply is the duty cycle
 };
 
+/// The output stage and its current loop.
 template <class S>
 struct DriveSettings {
   DriveKind kind;
@@ -76,6 +79,7 @@ struct LoopGains {
   S dead_band;            ///< to either side of the reference; inside, the temperature is held
 };
 
+/// How fast a set-point is approached.
 template <class S>
 struct TrajectorySettings {
   S heating_rate_1_s;  ///< greatest strain rate that the planner asks for while contracting
@@ -125,6 +129,7 @@ enum class SafeState : std::uint8_t {
   release,  ///< cools at release_1_s, then off
 };
 
+/// Which safe state follows a fault, and how.
 template <class S>
 struct SafeSettings {
   SafeState state;
@@ -140,11 +145,13 @@ struct ProfileSettings {
   S loop_s;      ///< duration of an inner loop
 };
 
+/// The axis of positions.
 template <class S>
 struct PositionSettings {
   S zero_strain;  ///< strain at position 0; positions count contraction
 };
 
+/// All settings of a device.
 template <class S>
 struct Settings {
   Identity identity;

@@ -20,6 +20,7 @@ struct Phases {
   S martensite;
   S r_phase;
 
+  /// The rest: 1 less the other two.
   constexpr S austenite() const { return S(1) - martensite - r_phase; }
 };
 

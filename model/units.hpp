@@ -14,7 +14,9 @@ struct Unit {
   double factor;
   double offset = 0;
 
+  /// A value in this unit, in SI.
   constexpr double to_si(double value) const { return factor * value + offset; }
+  /// A value in SI, in this unit.
   constexpr double from_si(double value) const { return (value - offset) / factor; }
 };
 

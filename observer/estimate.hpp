@@ -25,6 +25,7 @@ enum class Health : unsigned char {
   doubtful,   ///< the resistance contradicts the model
 };
 
+/// What an observer knows of the wire.
 template <class S>
 struct Estimate {
   S strain;     ///< elongation of the whole wire

@@ -84,6 +84,7 @@ class Estimator {
 
   /// Forgets all readings.
   void restart() { started_ = false; }
+  /// Whether there has been a reading with a load; until then update() knows nothing.
   bool started() const { return started_; }
 
   /// Resistance, power and stress of the last reading.
@@ -91,6 +92,7 @@ class Estimator {
 
   /// For those who call the functions of the observer themselves.
   const typename Observer::Params& params() const { return params_; }
+  /// Likewise.
   const typename Observer::State& state() const { return state_; }
 
  private:

@@ -16,6 +16,7 @@ struct Sample {
   S load_N;
 };
 
+/// The front end: offsets, noises, and the range in which a resistance is possible.
 template <class S>
 struct MeasurementParams {
   S area_m2;           ///< cross-section of the wire, from load to stress

@@ -22,4 +22,9 @@ const std::string& host_sim_program() {
   return program;
 }
 
+const std::string& own_observer_program() {
+  static const std::string program = SMASERVO_BINARY_DIR "/tests/host-sim/own_observer";
+  return program;
+}
+
 }  // namespace smaservo::test

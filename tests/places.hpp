@@ -16,4 +16,7 @@ const std::string& shared_folder();
 const std::string& daemon_program();
 const std::string& host_sim_program();
 
+/// The observer of tests/host-sim/evaluate/own_observer.
+const std::string& own_observer_program();
+
 }  // namespace smaservo::test

@@ -17,10 +17,12 @@
 
 namespace smaservo {
 
+/// A device as a pure step: all that it remembers is in State.
 template <class S>
 struct Device {
   using Observer = typename Prepared<S>::Observer;
 
+  /// All that a device remembers; start() makes it.
   struct State {
     typename Observer::State observer;
     typename Monitor<S>::State monitor;
@@ -51,6 +53,7 @@ struct Device {
 
   /// The first half: what the sample says, and what the observer makes of it.
   static Measurement<S> observe(const Prepared<S>& p, State& s, const Inputs<S>& in, const S& dt_s);
+  /// What the observer knows after observe().
   static Estimate<S> estimate(const Prepared<S>& p, const State& s) {
     return Observer::estimate(p.observer, s.observer);
   }

@@ -45,6 +45,7 @@ class TraceError : public files::Error {
   using Error::Error;
 };
 
+/// How a recording is read.
 struct TraceOptions {
   /// Skip and count bad rows instead of refusing them. If the clock falls back and continues from
   /// there, a new piece begins (TraceRow::piece).
@@ -70,6 +71,7 @@ struct TraceRow {
   /// Number of times that the clock restarted before this row; times continue to rise.
   std::uint32_t piece;
 
+  /// The value of a column.
   double operator[](Column column) const { return values[static_cast<std::size_t>(column)]; }
   /// The row's time in whole nanoseconds, as observers get it.
   std::int64_t time_ns() const {
@@ -77,6 +79,8 @@ struct TraceRow {
   }
 };
 
+/// Reads a recording row by row: CSV, also compressed, MCAP, tables of other programs,
+/// spreadsheets.
 class TraceReader {
  public:
   /// `path` "-" is standard input. Reads and checks the header. A file that begins with MCAP's
@@ -89,6 +93,7 @@ class TraceReader {
   TraceReader(TraceReader&&) noexcept;
   TraceReader& operator=(TraceReader&&) noexcept;
 
+  /// Whether the recording has values for it, measured or computed from other columns.
   bool has(Column column) const;
   /// Whether the rows have times, from a column or the options' period.
   bool timed() const;
@@ -102,6 +107,7 @@ class TraceReader {
   /// The name of a column in this project's dialect, "current_mA" for 'I [mA]', and the factor that
   /// its numbers then need; the file's own name where it is not understood.
   std::string own_name(std::size_t column) const;
+  /// The factor that the numbers of a column need under own_name().
   double scale(std::size_t column) const;
   /// A value of a column that the trace has, in the unit of own_name().
   double in_unit(Column column, double si) const;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "host-sim/evaluate/observer_program.hpp"
 #include "host-sim/evaluate/runs/calibrate.hpp"
 #include "host-sim/parallel.hpp"
 #include "host-sim/replay/measurement_params.hpp"
@@ -30,6 +31,12 @@ std::uint64_t run_seed(const EvaluateOptions& options, std::size_t run) {
 struct JudgedUnit {
   bench::WireUnit unit;
   Wire<double> type_file, calibrated;
+};
+
+/// An observer of the table.
+struct Judged {
+  std::string name;
+  std::string program;  ///< empty: one of replay::observer_kinds()
 };
 
 /// One run in the work list.
@@ -79,6 +86,8 @@ void check(const EvaluateOptions& options, const replay::RunSettings& settings) 
       throw files::UserError(fmt::format("--observer {}: is given twice", *name));
     }
   }
+  observer_program_names(options.programs);
+  std::ranges::for_each(options.programs, check_observer_program);
 }
 
 std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::string_view stage,
@@ -92,7 +101,7 @@ std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::
   return report;
 }
 
-std::vector<JudgedUnit> make_units(const EvaluateOptions& options, bool calibrated) {
+std::vector<JudgedUnit> make_units(const EvaluateOptions& options) {
   std::vector<JudgedUnit> units;
   for (int i = 0; i < options.units; ++i) {
     for (const hal::Family family : options.families) {
@@ -101,16 +110,17 @@ std::vector<JudgedUnit> make_units(const EvaluateOptions& options, bool calibrat
       units.push_back({unit, unit.type_file(), {}});
     }
   }
-  if (calibrated) {
-    if (!options.wires.empty()) {
-      files::prepare_folder("--wires", options.wires);
-    }
-    parallel(
-        units.size(), options.threads,
-        [&](std::size_t i) { units[i].calibrated = calibrated_wire(units[i].unit, options.wires); },
-        reporting(options, "calibration", units.size()));
-  }
   return units;
+}
+
+void calibrate(const EvaluateOptions& options, std::vector<JudgedUnit>& units) {
+  if (!options.wires.empty()) {
+    files::prepare_folder("--wires", options.wires);
+  }
+  parallel(
+      units.size(), options.threads,
+      [&](std::size_t i) { units[i].calibrated = calibrated_wire(units[i].unit, options.wires); },
+      reporting(options, "calibration", units.size()));
 }
 
 /// The runs of a row use all units in turn, then the next condition; after all conditions they
@@ -138,11 +148,19 @@ std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std
 }
 
 /// The observers of a row. In a hold the model alone is added, to show its uncorrected drift.
-std::vector<std::string> observers_of(const EvaluateOptions& options, std::size_t row) {
-  std::vector<std::string> observers = options.observers;
+std::vector<Judged> observers_of(const EvaluateOptions& options, std::size_t row) {
+  std::vector<Judged> observers;
+  observers.reserve(options.observers.size() + options.programs.size() + 1);
+  for (const std::string& name : options.observers) {
+    observers.push_back({name, ""});
+  }
+  const std::vector<std::string> names = observer_program_names(options.programs);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    observers.push_back({names[i], options.programs[i]});
+  }
   const bool hold = evaluation_rows()[row].conditions.front() == Condition::hold_ripple;
-  if (hold && std::ranges::count(observers, model_alone) == 0) {
-    observers.emplace_back(model_alone);
+  if (hold && std::ranges::count(observers, model_alone, &Judged::name) == 0) {
+    observers.push_back({std::string(model_alone), ""});
   }
   return observers;
 }
@@ -175,6 +193,41 @@ std::vector<JudgedRow> observe(const std::string& observer, const Wire<double>& 
   return judged;
 }
 
+std::vector<simulate::SimulatedRow> simulated(const bench::Scenario& scenario) {
+  std::vector<simulate::SimulatedRow> rows;
+  simulate::simulate_rows(scenario,
+                          [&](const simulate::SimulatedRow& row) { rows.push_back(row); });
+  return rows;
+}
+
+/// A program reports no health, so that its health counts as good.
+std::vector<JudgedRow> observe_by_program(const std::string& program, const Wire<double>& wire,
+                                          const Job& job,
+                                          const std::vector<simulate::SimulatedRow>& rows) {
+  const std::string run = fmt::format("{}, {}", evaluation_rows()[job.row].name, run_text(job.run));
+  const std::vector<ProgramAnswer> answers = ask_observer_program(program, wire, rows, run);
+  std::vector<JudgedRow> judged;
+  judged.reserve(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    judged.push_back(
+        {rows[i].time_s, rows[i].strain, answers[i].strain, answers[i].strain_sd, Health::good});
+  }
+  return judged;
+}
+
+/// Runs each program once, so that its mistakes are found before the calibration, which may take
+/// an hour.
+void try_programs(const EvaluateOptions& options, const Job& job, const JudgedUnit& unit) {
+  if (options.programs.empty()) {
+    return;
+  }
+  const std::vector<simulate::SimulatedRow> rows =
+      simulated(test_run(unit.unit, job.run.condition, job.run.seed, job.run.disturbed));
+  for (const std::string& program : options.programs) {
+    observe_by_program(program, unit.type_file, job, rows);
+  }
+}
+
 JudgedRun judge(const EvaluatedRun& run, const bench::JouleScenario& joule,
                 const std::vector<JudgedRow>& rows, double stroke) {
   JudgedRun judged{.run = run, .figures = judge_errors(rows, stroke), .start = {}};
@@ -198,17 +251,16 @@ std::vector<JudgedRun> judge(const EvaluateOptions& options, const replay::RunSe
                              const Job& job, const JudgedUnit& unit, double stroke) {
   const bench::Scenario scenario =
       test_run(unit.unit, job.run.condition, job.run.seed, job.run.disturbed);
-  std::vector<simulate::SimulatedRow> rows;
-  simulate::simulate_rows(scenario,
-                          [&](const simulate::SimulatedRow& row) { rows.push_back(row); });
+  const std::vector<simulate::SimulatedRow> rows = simulated(scenario);
   const bool known = evaluation_rows()[job.row].calibrated;
+  const Wire<double>& wire = known ? unit.calibrated : unit.type_file;
+  const auto& joule = std::get<bench::JouleScenario>(scenario.run);
   std::vector<JudgedRun> judged;
-  for (const std::string& observer : observers_of(options, job.row)) {
+  for (const Judged& observer : observers_of(options, job.row)) {
     const std::vector<JudgedRow> observed =
-        observe(observer, known ? unit.calibrated : unit.type_file, settings,
-                std::get<bench::JouleScenario>(scenario.run).sensors, rows);
-    judged.push_back(
-        judge(job.run, std::get<bench::JouleScenario>(scenario.run), observed, stroke));
+        observer.program.empty() ? observe(observer.name, wire, settings, joule.sensors, rows)
+                                 : observe_by_program(observer.program, wire, job, rows);
+    judged.push_back(judge(job.run, joule, observed, stroke));
   }
   return judged;
 }
@@ -233,8 +285,12 @@ Evaluation evaluate(const EvaluateOptions& options) {
   const std::vector<std::size_t> rows = chosen_rows(options);
   const bool calibrated =
       std::ranges::any_of(rows, [](std::size_t row) { return evaluation_rows()[row].calibrated; });
-  const std::vector<JudgedUnit> units = make_units(options, calibrated);
+  std::vector<JudgedUnit> units = make_units(options);
   const std::vector<Job> jobs = work_list(options, rows, units);
+  if (calibrated) {
+    try_programs(options, jobs.front(), units[jobs.front().unit]);
+    calibrate(options, units);
+  }
   const double stroke = units.front().type_file.nominal_stroke;
   std::vector<std::vector<JudgedRun>> judged(jobs.size());
   parallel(
@@ -246,7 +302,7 @@ Evaluation evaluate(const EvaluateOptions& options) {
 
   Evaluation evaluation{stroke, options.units, options.seed, {}};
   for (const std::size_t row : rows) {
-    const std::vector<std::string> observers = observers_of(options, row);
+    const std::vector<Judged> observers = observers_of(options, row);
     for (std::size_t i = 0; i < observers.size(); ++i) {
       std::vector<JudgedRun> runs;
       for (std::size_t job = 0; job < jobs.size(); ++job) {
@@ -255,7 +311,7 @@ Evaluation evaluate(const EvaluateOptions& options) {
         }
       }
       if (i == evaluation.observers.size()) {
-        evaluation.observers.push_back({observers[i], {}});
+        evaluation.observers.push_back({observers[i].name, {}});
       }
       evaluation.observers[i].rows.push_back(row_result(options, row, std::move(runs)));
     }

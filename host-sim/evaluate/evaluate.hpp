@@ -23,6 +23,7 @@ struct EvaluateOptions {
   std::uint64_t seed = first_test_seed;
   int threads = 1;  ///< does not affect the result
   std::vector<std::string> observers{"kalman"};
+  std::vector<std::string> programs;      ///< paths of observers that are programs (README.md)
   std::vector<files::Override> settings;  ///< overrides of settings of observers and measurement
   std::vector<std::string> rows;          ///< names of rows; none: all
   /// Folder of the calibrated wires, created if it is missing. A unit whose file (calibrated_name)
@@ -53,7 +54,8 @@ struct Evaluation {
   double stroke;  ///< nominal stroke, as a strain
   int units;
   std::uint64_t seed;
-  /// Observers in the order of the options. If the row "hold" is evaluated, the model alone
+  /// Observers in the order of the options, then programs. If the row "hold" is evaluated, the
+  /// model alone
   /// ("open-loop") is judged in it even if it is not among the options.
   std::vector<ObserverEvaluation> observers;
 };

@@ -185,10 +185,17 @@ void add_evaluate_command(CLI::App& app) {
                    "seed of the first unit; observers are tuned with 1 to 99")
       ->capture_default_str();
   command->add_option("--threads", options.threads)->capture_default_str();
-  command->add_option("--observer", options.observers, "repeatable")
-      ->check(CLI::IsMember(observers))
-      ->allow_extra_args(false)
-      ->capture_default_str();
+  const CLI::Option* const observer =
+      command->add_option("--observer", options.observers, "repeatable")
+          ->check(CLI::IsMember(observers))
+          ->allow_extra_args(false)
+          ->capture_default_str();
+  command
+      ->add_option("--observer-program", options.programs,
+                   "path of a program of yours to judge as an observer, beside those of "
+                   "--observer if that is given; repeatable; protocol: "
+                   "host-sim/evaluate/README.md")
+      ->allow_extra_args(false);
   command->add_option("--set", a->settings, "key=value of observer or measurement; repeatable")
       ->allow_extra_args(false);
   command->add_option("--row", options.rows, "rows of the table; default: all")
@@ -205,7 +212,7 @@ void add_evaluate_command(CLI::App& app) {
   command
       ->add_flag("--closed-loop", a->closed_loop,
                  "judges the firmware's control in place of its observers")
-      ->excludes("--family", "--row", "--observer", "--set", "--report");
+      ->excludes("--family", "--row", "--observer", "--observer-program", "--set", "--report");
   command->add_option("--random", a->random, "number of random scenarios of --closed-loop")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
@@ -215,7 +222,12 @@ void add_evaluate_command(CLI::App& app) {
       ->needs("--closed-loop");
   command->add_option("--random-seed", a->random_seed,
                       "runs only the random scenario of this seed; --out is its trace");
-  command->callback([a] { run(*a); });
+  command->callback([a, observer] {
+    if (!a->options.programs.empty() && observer->count() == 0) {
+      a->options.observers.clear();
+    }
+    run(*a);
+  });
 }
 
 }  // namespace smaservo::evaluate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <numeric>
 
 namespace smaservo::evaluate {
@@ -60,6 +61,11 @@ const std::vector<EvaluationRow>& evaluation_rows() {
        .conditions = {hold_ripple}},
       {.name = "coarse", .meaning = "constant load, 12 bits, 100 Hz", .conditions = {coarse}}};
   return rows;
+}
+
+std::string run_text(const EvaluatedRun& run) {
+  return fmt::format("{} {}, {}{}, seed {}", hal::family_name(run.family), run.unit,
+                     condition_name(run.condition), run.disturbed ? " disturbed" : "", run.seed);
 }
 
 RowFigures together(const std::vector<JudgedRun>& runs) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -40,6 +41,9 @@ struct EvaluatedRun {
   bool disturbed;
   std::uint64_t seed;
 };
+
+/// "ihyp 1000, constant disturbed, seed 100000000"
+std::string run_text(const EvaluatedRun& run);
 
 /// The figures of an observer in one run.
 struct JudgedRun {

@@ -126,10 +126,8 @@ std::string title(const Evaluation& e) {
 std::string worst(const RowResult& row) {
   const auto judged = std::ranges::max_element(
       row.runs, {}, [](const JudgedRun& run) { return run.figures.error.mean(); });
-  const EvaluatedRun& run = judged->run;
-  return fmt::format("{}: mean {:.2f}, {} {}, {}{}, seed {}", row_of(row).name,
-                     judged->figures.error.mean(), hal::family_name(run.family), run.unit,
-                     condition_name(run.condition), run.disturbed ? " disturbed" : "", run.seed);
+  return fmt::format("{}: mean {:.2f}, {}", row_of(row).name, judged->figures.error.mean(),
+                     run_text(judged->run));
 }
 
 nlohmann::ordered_json numbers(const Figures& figures, int runs) {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <smaservo/firmware/cycle.hpp>
-#include <smaservo/firmware/servo.hpp>
+#include <smaservo/firmware/device/servo.hpp>
 #include <smaservo/firmware/text/device_names.hpp>
 #include <smaservo/firmware/text/settings_file.hpp>
 #include <smaservo/model/wire/wire_plant.hpp>

@@ -3,8 +3,8 @@
 // smartflex_76um.hpp is made by `host-sim describe wire --wire smartflex-76um --as header`.
 
 #include <cstdio>
+#include <smaservo/firmware/device/servo.hpp>
 #include <smaservo/firmware/parameters/parameters.hpp>
-#include <smaservo/firmware/servo.hpp>
 #include <smaservo/model/units.hpp>
 #include <smaservo/model/wire/wire_plant.hpp>
 

@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include <unistd.h>
 
 #include "host-sim/report/panel.hpp"
+#include "host-sim/temporary_folder.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 
@@ -22,29 +22,6 @@ namespace smaservo::report {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A temporary folder that is removed with its owner.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "host-sim-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw files::UserError(fmt::format("{}: {}", name, std::strerror(errno)));
-    }
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
 
 std::string read_all(const fs::path& file) {
   const std::ifstream in(file, std::ios::binary);

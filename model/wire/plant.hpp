@@ -16,10 +16,12 @@ struct PlantInput {
   S ambient_K;
 };
 
+/// A wire of one temperature, with cold ends. The state is a value; a step changes it in place.
 template <Kinetics K>
 struct Plant {
   using S = typename K::Scalar;
 
+  /// What a wire is; plant_params() makes it.
   struct Params {
     typename K::Params kinetics;
     Material<S> material;
@@ -28,18 +30,24 @@ struct Plant {
     S length_per_area_1_m;
   };
 
+  /// The wire's history, and what a step leaves to the next one.
   struct State {
     typename K::State kinetics;
     S heat_J;  ///< heat error of the last step's linearisation, carried into the next step
   };
 
+  /// A wire that was cooled to this temperature at this stress from far above, and rests there.
   static State rest(const Params& p, const Drive<S>& u) { return {K::rest(p.kinetics, u), S(0)}; }
 
+  /// Of the wire's middle.
   static S temperature_K(const State& s) { return K::drive(s.kinetics).temperature_K; }
+  /// Of the wire's middle.
   static Phases<S> phases(const State& s) { return K::phases(s.kinetics); }
+  /// Elongation of the whole wire.
   static S strain(const Params& p, const State& s) {
     return smaservo::strain(p.material, p.ends.average(phases(s)), K::drive(s.kinetics).stress_Pa);
   }
+  /// Resistance of the whole wire, whose ends are at the ambient temperature.
   static S resistance_ohm(const Params& p, const State& s, const S& ambient_K) {
     return resistance_ohm(p, phases(s), K::drive(s.kinetics), ambient_K);
   }

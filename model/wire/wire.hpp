@@ -10,15 +10,19 @@
 
 namespace smaservo {
 
+/// The wire's dimensions.
 template <class S>
 struct Geometry {
   S length_m;
   S diameter_m;
 
+  /// The cross-section.
   constexpr S area_m2() const { return S(std::numbers::pi / 4) * diameter_m * diameter_m; }
+  /// The wire's surface without its ends.
   constexpr S surface_m2() const { return S(std::numbers::pi) * diameter_m * length_m; }
 };
 
+/// What the heat balance needs of the alloy and of the air.
 template <class S>
 struct HeatParams {
   S density_kg_m3;
@@ -48,6 +52,7 @@ struct Accuracy {
   S resistance;  ///< relative error of the resistance that the model gives to a strain
 };
 
+/// All parameters of a wire, as a wire file has them.
 template <class S>
 struct Wire {
   Geometry<S> geometry;
@@ -58,7 +63,9 @@ struct Wire {
   HeatParams<S> heat;
   Accuracy<S> accuracy;
 
+  /// Length over cross-section: resistance over resistivity without strain.
   constexpr S length_per_area_1_m() const { return geometry.length_m / geometry.area_m2(); }
+  /// The stress that a load makes.
   constexpr S stress_Pa(S load_N) const { return load_N / geometry.area_m2(); }
 };
 
@@ -76,10 +83,13 @@ struct ColdEnds {
   S share;           ///< share of the wire's length
   Phases<S> phases;  ///< fractions in the ends
 
+  /// The phases of the whole wire, from those of its middle.
   constexpr Phases<S> average(const Phases<S>& middle) const {
     return {middle.martensite + share * (phases.martensite - middle.martensite),
             middle.r_phase + share * (phases.r_phase - middle.r_phase)};
   }
+  /// The mean temperature of the whole wire, from that of its middle; the clamps have the ambient
+  /// one.
   constexpr S average_K(const S& middle_K, const S& ambient_K) const {
     return middle_K - share * (middle_K - ambient_K);
   }

@@ -93,6 +93,7 @@ class WirePlant {
 
   /// For those who call the functions of Plant themselves.
   const typename Model::Params& params() const { return params_; }
+  /// Likewise.
   const typename Model::State& state() const { return state_; }
 
  private:

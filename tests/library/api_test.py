@@ -5,6 +5,7 @@ import sys
 import unittest
 from pathlib import Path
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / 'toolchain/library'))
 import api  # noqa: E402
 

@@ -27,7 +27,7 @@ readme_with() {
     $0 == "<!-- " name ": -->" {
       inside = 1
       print ""
-      for (i = 1; i <= count; ++i) print "    " lines[i]
+      for (i = 1; i <= count; ++i) print lines[i] == "" ? "" : "    " lines[i]
       print ""
     }' - "$readme"
 }

@@ -5,14 +5,17 @@ library_test.py install BUILD STAGE                  installs the component `lib
 library_test.py cmake STAGE SOURCES COMPILER [TABLE]  user/ by find_package(); TABLE: the program smaservo-table
 library_test.py pkgconfig STAGE SOURCES COMPILER     user/main.cpp by pkg-config, without CMake
 library_test.py headers STAGE SOURCES COMPILER FLAG... each public header by itself, with these warnings
+library_test.py readme STAGE SOURCES                 the program of toolchain/library/README.md
 library_test.py missing STAGE SOURCES                what is said of a wrong version and of what is missing
 """
 
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import textwrap
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -104,6 +107,7 @@ def by_pkg_config(stage, sources, compiler):
 
 def headers_alone(stage, sources, compiler, *flags):
     """Not as system headers, so that a warning in one of them is an error. Twice, since a header may be."""
+    sys.dont_write_bytecode = True
     sys.path.insert(0, str(sources / 'toolchain/library'))
     import api
     eigen = run('pkg-config', '--cflags', 'eigen3').replace('-I', '-isystem').split()
@@ -117,6 +121,22 @@ def headers_alone(stage, sources, compiler, *flags):
 
     with ThreadPoolExecutor(2) as pool:
         list(pool.map(check, api.listed_headers()))
+
+
+def readme(stage, sources):
+    """Its blocks below the marks `program: FILE` make a program, which prints what the text says."""
+    text = (sources / 'toolchain/library/README.md').read_text()
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder).resolve()
+        for name, block in re.findall(r'<!-- program: (\S+);[^\n]*-->\n\n((?:(?:    [^\n]*)?\n)+)', text):
+            (work / name).write_text(textwrap.dedent(block))
+        run('cmake', '-S', work, '-B', work / 'build', f'-DCMAKE_PREFIX_PATH={stage}',
+            f'-DCMAKE_CXX_FLAGS={WARNINGS}')
+        run('cmake', '--build', work / 'build')
+        printed = re.search(r'It prints `([^`]+)`', text).group(1)
+        said = run(work / 'build/program')
+        if said != printed + '\n':
+            sys.exit(f'README.md says {printed!r}, and it prints {said!r}')
 
 
 def missing(stage, sources):
@@ -153,7 +173,8 @@ def main():
         install(*arguments)
         return
     stage, sources = (Path(argument).resolve() for argument in arguments[:2])
-    {'cmake': by_cmake, 'pkgconfig': by_pkg_config, 'headers': headers_alone, 'missing': missing}[what](
+    {'cmake': by_cmake, 'pkgconfig': by_pkg_config, 'headers': headers_alone, 'readme': readme,
+     'missing': missing}[what](
         stage, sources, *arguments[2:])
 
 

@@ -140,6 +140,12 @@ run_page() {
   "$root/build/release/host-sim/host-sim" page --can "$bus" "$@"
 }
 
+run_doc() {
+  run_setup
+  step documentation "$root/toolchain/library/documentation.py" "$root/build/doc" || return
+  near "$root/build/doc/html/index.html"
+}
+
 # The one line is all that goes to the standard output, for: eval "$(toolchain/dev shell)"
 run_shell() {
   install_packages

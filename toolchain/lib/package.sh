@@ -13,7 +13,8 @@ package_targets() {
 
 package_target() { package_targets | grep "^$1|"; }
 
-package_file() { printf '%s\n' "$root"/build/packages/smaservo_*_"$1".deb | tail -n 1; }
+# package_file ARCHITECTURE [PACKAGE]
+package_file() { printf '%s\n' "$root"/build/packages/"${2:-smaservo}"_*_"$1".deb | tail -n 1; }
 
 # library_packages TREE TRIPLET PROGRAM...: what the programs need of the distribution, by dpkg-shlibdeps.
 # Foreign libraries belong to no package that is installed here: their own packages' words decide.
@@ -29,8 +30,8 @@ library_packages() {
     sed -nE 's/^shlibs:Depends=(.+)$/\1/p' | grep .
 }
 
-# make_package ARCHITECTURE PRESET TRIPLET: build/packages/smaservo_VERSION_ARCHITECTURE.deb. What
-# smaservo-table alone needs is recommended: a board that reads no spreadsheets does without.
+# make_package ARCHITECTURE PRESET TRIPLET: build/packages/smaservo_VERSION_ARCHITECTURE.deb, and libsmaservo-dev_ the
+# same. What smaservo-table alone needs is recommended: a board that reads no spreadsheets does without.
 make_package() {
   local architecture=$1 tree=$root/build/$2 needed recommended
   needed=$(library_packages "$tree" "$3" firmware/daemon/smaservod host-sim/host-sim) || return
@@ -40,8 +41,8 @@ make_package() {
   SOURCE_DATE_EPOCH=$(git -C "$root" log -1 --format=%ct) \
     cpack --config "$tree/CPackConfig.cmake" -G DEB -B "$root/build/packages" \
     -D CPACK_DEBIAN_PACKAGE_ARCHITECTURE="$architecture" \
-    -D CPACK_DEBIAN_PACKAGE_DEPENDS="$needed, systemd" \
-    -D CPACK_DEBIAN_PACKAGE_RECOMMENDS="$recommended" || return
+    -D CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS="$needed, systemd" \
+    -D CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS="$recommended" || return
   rm -rf "$root/build/packages/_CPack_Packages"
 }
 
@@ -62,6 +63,7 @@ run_package() {
     build "$preset" package_contents || return
     step "package-$architecture" make_package "$architecture" "$preset" "$triplet" || return
     near "$(package_file "$architecture")"
+    near "$(package_file "$architecture" libsmaservo-dev)"
   done
 }
 
@@ -202,6 +204,32 @@ check_package() {
   scratch_remove "$folder"
 }
 
+# check_library ARCHITECTURE: libsmaservo-dev. Of this machine's architecture a program is built against it, where it
+# was unpacked.
+check_library() {
+  local triplet package folder=$root/build/packages/library-$1 file
+  IFS='|' read -r _ _ triplet _ < <(package_target "$1")
+  package=$(package_file "$1" libsmaservo-dev)
+  lintian --tag-display-limit 0 --allow-root --fail-on error,warning "$package" || return
+  [[ $(dpkg-deb --field "$package" Section) == libdevel &&
+    $(dpkg-deb --field "$package" Depends) == libeigen3-dev*libfmt-dev*libtomlplusplus-dev*liblzma-dev* ]] || {
+    dpkg-deb --info "$package"
+    return 1
+  }
+  rm -rf "$folder"
+  dpkg-deb --extract "$package" "$folder" || return
+  local libraries=$folder/usr/lib/${triplet:-$(dpkg-architecture --query DEB_HOST_MULTIARCH)}
+  for file in "$libraries"/{libsmaservo.a,cmake/smaservo/smaservo-config.cmake,pkgconfig/smaservo.pc} \
+    "$folder"/usr/include/smaservo/{model/units,observer/estimate,firmware/device/device,hal/board}.hpp; do
+    [[ -s $file ]] || {
+      printf '%s is not in %s\n' "$file" "$package"
+      return 1
+    }
+  done
+  [[ -z $(find "$folder/usr" -mindepth 1 -maxdepth 1 ! -name lib ! -name include ! -name share) ]] || return
+  [[ -n $triplet ]] || "$root/tests/library/library_test.py" cmake "$folder/usr" "$root" g++
+}
+
 # test_package [ARCHITECTURE...]: makes the packages, looks at them, installs and runs what is in them.
 test_package() {
   local architecture
@@ -212,5 +240,6 @@ test_package() {
   for architecture in "$@"; do
     say "checking the package for $architecture"
     step "package-check-$architecture" check_package "$architecture" || return
+    step "library-check-$architecture" check_library "$architecture" || return
   done
 }

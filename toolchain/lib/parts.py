@@ -53,7 +53,8 @@ def scripts(*names):
 
 
 # How everything is built, and the lists of sources.
-MADE_BY = ['CMakeLists.txt', '*/CMakeLists.txt', 'CMakePresets.json', 'toolchain/cmake', 'toolchain/packages.txt']
+MADE_BY = ['CMakeLists.txt', '*/CMakeLists.txt', 'CMakePresets.json', 'toolchain/cmake', 'toolchain/library',
+           'toolchain/packages.txt']
 CORE = ['model', 'observer', 'hal', 'firmware']
 # The pages are a tree of npm's, which only what is shipped holds.
 PROGRAMS = [*CORE, 'host-sim', 'toolchain/package']
@@ -97,7 +98,7 @@ PARTS = {
         'Debian packages for three architectures; their service in a Debian system',
         [Step('packages', dev('test_package')),
          build('release', 'board_programs'), ctest('package', live=True)],
-        [*MADE_BY, *PROGRAMS, *GUESTS, 'CHANGELOG.md', 'tests/model', 'tests/firmware/daemon/setup_test.sh',
+        [*MADE_BY, *PROGRAMS, *GUESTS, 'CHANGELOG.md', 'tests/model', 'tests/library', 'tests/firmware/daemon/setup_test.sh',
          *scripts('package.sh', 'sysroot.sh', 'board.sh', 'board_kernel.sh', 'board_root.sh')],
         {'release': ['package_contents', 'board_programs'], 'arm64': ['package_contents'],
          'armhf': ['package_contents']}),

@@ -30,6 +30,7 @@ enum class SlotState : std::uint8_t {
   refused,         ///< intact, but its settings are out of range or contradict each other
 };
 
+/// What is in a slot.
 struct SlotReport {
   SlotState state = SlotState::unreadable;
   std::uint32_t sequence = 0;  ///< valid only if intact(), as are all members below
@@ -61,6 +62,7 @@ enum class LoadReason : std::uint8_t {
   none,       ///< no slot is valid
 };
 
+/// The result of load_settings().
 template <class S>
 struct Loaded {
   LoadReason reason = LoadReason::none;
@@ -81,12 +83,14 @@ enum class SaveProblem : std::uint8_t {
   differs,    ///< the data read back differ from those written
 };
 
+/// The result of save_settings().
 struct Saved {
   SaveProblem problem = SaveProblem::none;
   unsigned slot = 0;
   std::uint32_t sequence = 0;
   Finding finding{};
 
+  /// Whether the settings are stored.
   constexpr bool ok() const { return problem == SaveProblem::none; }
 };
 

@@ -1,6 +1,6 @@
 // smaservo.Servo
 
-#include "firmware/servo.hpp"
+#include "firmware/device/servo.hpp"
 
 #include "firmware/text/device_names.hpp"
 #include "host-sim/python/bindings/settings.hpp"

@@ -155,19 +155,24 @@ std::optional<double> short_number(const Unit& unit, double si) {
   return std::nullopt;
 }
 
+enum class WrittenUnits : unsigned char { shortest, si };
+
 /// "diameter_um = 76": the unit in which the number is shortest, because a value given in another
 /// unit may have no short text in SI (7.599999999999999e-05 m).
-std::string number_line(const Field& field, const std::string& name, double si) {
-  for (const KeyUnit& unit : key_units(field)) {
-    if (const std::optional<double> number = short_number(unit.value, si)) {
-      return fmt::format("{} = {}\n", key_with(name, unit.suffix), *number);
+std::string number_line(const Field& field, const std::string& name, double si,
+                        WrittenUnits units) {
+  if (units == WrittenUnits::shortest) {
+    for (const KeyUnit& unit : key_units(field)) {
+      if (const std::optional<double> number = short_number(unit.value, si)) {
+        return fmt::format("{} = {}\n", key_with(name, unit.suffix), *number);
+      }
     }
   }
   return fmt::format("{} = {}\n", key_with(name, key_units(field).front().suffix), si);
 }
 
 /// "key = value" as it stands in its table.
-std::string line_of(const Field& field, const Wire<double>& wire) {
+std::string line_of(const Field& field, const Wire<double>& wire, WrittenUnits units) {
   const std::vector<double> numbers = wire_numbers(field, wire);
   const std::string name = field.path.substr(field.path.rfind('.') + 1);
   const std::string key = key_with(name, key_units(field).front().suffix);
@@ -175,11 +180,29 @@ std::string line_of(const Field& field, const Wire<double>& wire) {
     return fmt::format("{} = \"{}\"\n", key, field.choices[static_cast<std::size_t>(numbers[0])]);
   }
   if (field.type == FieldType::number) {
-    return number_line(field, name, numbers[0]);
+    return number_line(field, name, numbers[0], units);
   }
   return field.type == FieldType::polynomial
              ? fmt::format("{} = [{}]\n", key, fmt::join(numbers, ", "))
              : fmt::format("{} = {}\n", key, numbers[0]);
+}
+
+std::string written(const WireDescription& description, WrittenUnits units) {
+  std::string out = fmt::format("name = {}\n", quoted(description.name));
+  std::string open_table;
+  for (const Field* field : written_fields(description.wire)) {
+    const std::string table = field->path.substr(0, field->path.rfind('.'));
+    if (table != open_table) {
+      out += fmt::format("\n[{}]\n", table);
+      open_table = table;
+    }
+    out += line_of(*field, description.wire, units);
+  }
+  out += "\n[sources]\n";
+  for (const auto& [key, text] : description.sources) {
+    out += fmt::format("{} = {}\n", quoted(key), quoted(text));
+  }
+  return out;
 }
 
 }  // namespace
@@ -207,21 +230,11 @@ std::vector<std::string> preset_names() {
 }
 
 std::string to_toml(const WireDescription& description) {
-  std::string out = fmt::format("name = {}\n", quoted(description.name));
-  std::string open_table;
-  for (const Field* field : written_fields(description.wire)) {
-    const std::string table = field->path.substr(0, field->path.rfind('.'));
-    if (table != open_table) {
-      out += fmt::format("\n[{}]\n", table);
-      open_table = table;
-    }
-    out += line_of(*field, description.wire);
-  }
-  out += "\n[sources]\n";
-  for (const auto& [key, text] : description.sources) {
-    out += fmt::format("{} = {}\n", quoted(key), quoted(text));
-  }
-  return out;
+  return written(description, WrittenUnits::shortest);
+}
+
+std::string to_toml_si(const WireDescription& description) {
+  return written(description, WrittenUnits::si);
 }
 
 }  // namespace smaservo::files

@@ -13,6 +13,7 @@
 
 namespace smaservo::files {
 
+/// What a wire file says.
 struct WireDescription {
   std::string name;
   Wire<double> wire;
@@ -37,5 +38,7 @@ inline constexpr std::string_view default_wire = "smartflex-76um";
 
 /// A complete description as TOML that load_wire() reads back to the same numbers.
 std::string to_toml(const WireDescription& description);
+/// The same with all numbers in SI, for programs: the keys do not depend on the values.
+std::string to_toml_si(const WireDescription& description);
 
 }  // namespace smaservo::files

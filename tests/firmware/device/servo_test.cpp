@@ -1,4 +1,4 @@
-#include "firmware/servo.hpp"
+#include "firmware/device/servo.hpp"
 
 #include <array>
 #include <cmath>

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <random>
+#include <sstream>
 
 #include "model/files/wire/presets.hpp"
 #include "model/files/wire/wire_fields.hpp"
@@ -122,6 +123,25 @@ TEST(WireFile, WritesNumbersAsPeopleGiveThem) {
   fitted.wire.geometry.length_m = 0.1 + 1e-17 * 3;
   fitted.wire.geometry.diameter_m = 76.123456789012345e-6 / 3;
   EXPECT_TRUE(same_bits(fitted.wire, parse_wire(to_toml(fitted), "again.toml").wire));
+}
+
+TEST(WireFile, WritesTheSameKeysInSiForAnyNumbers) {
+  const auto keys = [](const std::string& text) {
+    std::istringstream lines(text.substr(0, text.find("[sources]")));
+    std::string all;
+    for (std::string line; std::getline(lines, line);) {
+      all += line.substr(0, line.find(" = ")) + "\n";
+    }
+    return all;
+  };
+  WireDescription wire = load_wire(std::string(default_wire));
+  const std::string text = to_toml_si(wire);
+  EXPECT_THAT(text, testing::HasSubstr("\ndiameter_m = "));
+  EXPECT_THAT(text, testing::HasSubstr("\nresistivity_stress_1_Pa = "));
+  EXPECT_TRUE(same_bits(wire.wire, parse_wire(text, "again.toml").wire));
+  wire.wire.geometry.diameter_m = 76.123456789012345e-6 / 3;
+  EXPECT_EQ(keys(to_toml_si(wire)), keys(text));
+  EXPECT_TRUE(same_bits(wire.wire, parse_wire(to_toml_si(wire), "again.toml").wire));
 }
 
 TEST(WireFile, WritesSeparateProcessesAndChoices) {

@@ -58,6 +58,7 @@ class Servo {
     return Device<S>::step(prepared_, state_, in, command, dt_s);
   }
 
+  /// As given to the constructor.
   const Settings<S>& settings() const { return prepared_.settings; }
   /// The output of the last step; all zero before the first.
   const Output<S>& last() const { return state_.last; }
