@@ -23,7 +23,7 @@ namespace smaservo::python {
 
 namespace py = pybind11;
 
-// One function for each source; module.cpp calls them.
+// One function for each source; bindings.cpp calls them.
 void add_errors(py::module_& module);
 void add_wire(py::module_& module);
 void add_plant(py::module_& module);

@@ -90,8 +90,9 @@ void add_evaluate(py::module_& module) {
   module.def("evaluation_row_names", &names_of_rows);
   module.def("evaluate_rows", [](int units, int runs, const std::vector<std::string>& rows,
                                  const std::vector<std::string>& observers,
-                                 const std::string& wires, const py::object& settings,
-                                 std::uint64_t seed, int threads, const py::object& progress) {
+                                 const std::vector<std::string>& programs, const std::string& wires,
+                                 const py::object& settings, std::uint64_t seed, int threads,
+                                 const py::object& progress) {
     if (units < 1) {
       refuse("units", units, "1 or more");
     }
@@ -105,6 +106,7 @@ void add_evaluate(py::module_& module) {
     options.runs = runs;
     options.rows = rows;
     options.observers = observers;
+    options.programs = programs;
     options.wires = wires;
     options.settings = overrides_of(settings);
     options.seed = seed;

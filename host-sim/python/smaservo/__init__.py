@@ -330,6 +330,7 @@ def evaluate(
     runs: int = 0,
     rows: Iterable[str] = (),
     observers: Iterable[str] = ('kalman',),
+    programs: Iterable[Path] = (),
     wires: Path | None = None,
     settings: Overrides | None = None,
     seed: int = 1000,
@@ -340,7 +341,8 @@ def evaluate(
 
     Each dict has observer, row, runs, the figures of that row ("mean_percent": error in % of the stroke)
     and `missed`, the figures that miss their target. A unit takes a minute to calibrate on one core, a
-    run 0.3 s; wires is a folder that keeps calibrated ones. rows is empty for all. progress is called
+    run 0.3 s; wires is a folder that keeps calibrated ones. rows is empty for all. programs are observers of
+    yours, as `--observer-program`. progress is called
     with the stage, and how much of how much is done. Ctrl-C raises KeyboardInterrupt.
     """
     return _core.evaluate_rows(
@@ -348,6 +350,7 @@ def evaluate(
         runs,
         _tables.texts('rows', rows),
         _tables.texts('observers', observers),
+        _tables.texts('programs', programs),
         '' if wires is None else os.fspath(wires),
         settings,
         seed,

@@ -233,6 +233,7 @@ def evaluate_rows(
     runs: int,
     rows: list[str],
     observers: list[str],
+    programs: list[str],
     wires: str,
     settings: Overrides | None,
     seed: int,

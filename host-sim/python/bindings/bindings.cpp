@@ -1,11 +1,12 @@
 // The extension module smaservo._core: the errors, and the sources that add the rest.
 
+#include "host-sim/python/bindings/bindings.hpp"
+
 #include <exception>
 #include <utility>
 
 #include "firmware/text/device_names.hpp"
 #include "hal/replay/trace.hpp"
-#include "host-sim/python/bindings/bindings.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 
