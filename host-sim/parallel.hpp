@@ -12,9 +12,9 @@
 namespace smaservo {
 
 /// Calls part(i) for all i below count, in order but by several threads at once. After each part
-/// `done` is called with the number of finished parts, never by two threads at once. If parts
-/// throw, rethrows the exception of the one with the lowest number; later parts may not have begun
-/// then.
+/// `done` is called with the number of finished parts, never by two threads at once. If parts or
+/// `done` after them throw, rethrows the exception of the part with the lowest number; later parts
+/// may not have begun then.
 template <class Part>
 void parallel(std::size_t count, int threads, const Part& part,
               const std::function<void(std::size_t)>& done) {
@@ -23,18 +23,25 @@ void parallel(std::size_t count, int threads, const Part& part,
   std::size_t finished = 0;
   std::size_t failed = std::numeric_limits<std::size_t>::max();
   std::exception_ptr error;
+  const auto keep = [&](std::size_t i) {
+    error = i < failed ? std::current_exception() : error;
+    failed = std::min(failed, i);
+    next = count;
+  };
   const auto work = [&] {
     for (std::size_t i = next++; i < count; i = next++) {
       try {
         part(i);
       } catch (...) {
         const std::scoped_lock lock(mutex);
-        error = i < failed ? std::current_exception() : error;
-        failed = std::min(failed, i);
-        next = count;
+        keep(i);
       }
       const std::scoped_lock lock(mutex);
-      done(++finished);
+      try {
+        done(++finished);
+      } catch (...) {
+        keep(i);
+      }
     }
   };
   {

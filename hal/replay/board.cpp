@@ -15,7 +15,7 @@ ReadStatus ReplayBoard::read(Frame& frame) {
   if (!trace_.next(row_)) {
     return ReadStatus::end;
   }
-  now_ns_ = static_cast<std::int64_t>(std::llround(row_[Column::time] * 1e9));
+  now_ns_ = row_.time_ns();
   frame.time_ns = now_ns_;
   if (trace_.has(Column::fresh) && row_[Column::fresh] == 0) {
     return ReadStatus::nothing;

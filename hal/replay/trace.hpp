@@ -3,6 +3,7 @@
 // hal/replay/README.md has the formats.
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -72,6 +73,10 @@ struct TraceRow {
 
   /// The value of a column.
   double operator[](Column column) const { return values[static_cast<std::size_t>(column)]; }
+  /// The row's time in whole nanoseconds, as observers get it.
+  std::int64_t time_ns() const {
+    return static_cast<std::int64_t>(std::llround((*this)[Column::time] * 1e9));
+  }
 };
 
 /// Reads a recording row by row: CSV, also compressed, MCAP, tables of other programs,

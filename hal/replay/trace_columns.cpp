@@ -134,6 +134,12 @@ std::size_t index_of(std::string_view base) {
 
 }  // namespace
 
+std::string si_name(Column column) {
+  const Known& known = known_columns[static_cast<std::size_t>(column)];
+  const std::string_view unit = known.kind.front().suffix;
+  return unit.empty() ? std::string(known.base) : fmt::format("{}_{}", known.base, unit);
+}
+
 TraceColumns::TraceColumns(std::string_view header, const TraceOptions& options, std::string place,
                            bool foreign)
     : options_(options), place_(std::move(place)), foreign_(foreign) {
@@ -485,11 +491,41 @@ std::optional<BadRow> TraceColumns::parse(std::string_view text, TraceRow& row) 
     }
     at = comma + 1;
   }
+  derive_voltage(row);
+  return std::nullopt;
+}
+
+std::optional<BadRow> TraceColumns::take_numbers(std::span<const double> numbers,
+                                                 TraceRow& row) const {
+  row.values.fill(not_there);
+  row.text = {};
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    const Target& target = targets_[i];
+    if (target.value == column_count) {
+      continue;
+    }
+    if (std::isnan(numbers[i]) && may_be_empty(static_cast<Column>(target.value), options_)) {
+      continue;
+    }
+    const double value = target.unit.to_si(numbers[i] * target.scale);
+    const Known& column = known_columns[target.value];
+    if (!std::isfinite(value)) {
+      return BadRow{i, fmt::format("'{}' is not a finite number", numbers[i])};
+    }
+    if (!(value >= column.low && value <= column.high)) {
+      return out_of_range(i, fmt::format("'{}'", numbers[i]));
+    }
+    row.values[target.value] = value;
+  }
+  derive_voltage(row);
+  return std::nullopt;
+}
+
+void TraceColumns::derive_voltage(TraceRow& row) const {
   if (voltage_of_resistance_) {
     row.values[static_cast<std::size_t>(Column::voltage)] =
         row[Column::current] * row[Column::resistance];
   }
-  return std::nullopt;
 }
 
 std::string TraceColumns::wrong_count(std::string_view text) const {

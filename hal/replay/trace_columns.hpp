@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,9 @@ struct BadRow {
   std::size_t column;
   std::string reason;
 };
+
+/// The name of a column in SI, as "current_A".
+std::string si_name(Column column);
 
 class TraceColumns {
  public:
@@ -53,6 +57,8 @@ class TraceColumns {
 
   /// Sets the row's values and text; returns the reason if the row is bad.
   std::optional<BadRow> parse(std::string_view text, TraceRow& row) const;
+  /// The same for a row that is numbers already, one for each column; the row gets no text.
+  std::optional<BadRow> take_numbers(std::span<const double> numbers, TraceRow& row) const;
 
  private:
   /// How one column is interpreted, as the header says.
@@ -71,6 +77,7 @@ class TraceColumns {
   void hint(std::size_t i, const Meaning& meaning, bool one_of_several);
   std::optional<std::size_t> find_column(const std::string& column) const;
   bool apply_unit(const std::string& rename, const std::string& name, const std::string& column);
+  void derive_voltage(TraceRow& row) const;
   BadRow out_of_range(std::size_t i, const std::string& field) const;
   std::string wrong_count(std::string_view text) const;
 

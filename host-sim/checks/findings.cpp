@@ -59,27 +59,36 @@ std::vector<Finding> find_mistakes(const Record& record, const RecordedWire& wir
   return sorted;
 }
 
-void refuse_mistakes(const Record& record, const RecordedWire& wire,
-                     const std::vector<std::string>& allowed) {
+Judgement judge_mistakes(const Record& record, const RecordedWire& wire,
+                         const std::vector<std::string>& allowed) {
   for (const std::string& name : allowed) {
     if (std::ranges::find(check_names, name) == std::end(check_names)) {
       throw files::UserError(fmt::format("--allow {}: there is no such check; there are: {}", name,
                                          fmt::join(check_names, ", ")));
     }
   }
-  // The first error ends the program; what else there is may explain it.
-  std::string error;
+  Judgement judgement;
   for (const Finding& finding : find_mistakes(record, wire)) {
     const bool is_allowed = std::ranges::find(allowed, finding.check) != allowed.end();
     const std::string text = fmt::format("{}: {}", record.name, finding.text);
-    if (finding.is_error && !is_allowed && error.empty()) {
-      error = fmt::format("{} (to go on all the same: --allow {})", text, finding.check);
+    if (finding.is_error && !is_allowed && judgement.error.empty()) {
+      judgement.error = fmt::format("{} (to go on all the same: --allow {})", text, finding.check);
     } else {
-      files::complain("host-sim", text);
+      judgement.warnings.push_back(text);
     }
   }
-  if (!error.empty()) {
-    throw files::UserError(error);
+  return judgement;
+}
+
+void refuse_mistakes(const Record& record, const RecordedWire& wire,
+                     const std::vector<std::string>& allowed) {
+  // The first error ends the program; what else there is may explain it.
+  const Judgement judgement = judge_mistakes(record, wire, allowed);
+  for (const std::string& warning : judgement.warnings) {
+    files::complain("host-sim", warning);
+  }
+  if (!judgement.error.empty()) {
+    throw files::UserError(judgement.error);
   }
 }
 

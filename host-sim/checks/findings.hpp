@@ -32,6 +32,16 @@ struct RecordedWire {
 /// and signs alone. Cost: a few sorts of each column.
 std::vector<Finding> find_mistakes(const Record& record, const RecordedWire& wire);
 
+/// What the findings are for somebody who has allowed some checks to fail; texts begin with the
+/// record's name.
+struct Judgement {
+  std::string error;                  ///< the first error that is not allowed; empty: none
+  std::vector<std::string> warnings;  ///< all else that was found
+};
+/// Throws UserError for a name in `allowed` that is no check.
+Judgement judge_mistakes(const Record& record, const RecordedWire& wire,
+                         const std::vector<std::string>& allowed);
+
 /// Prints the warnings, and errors of the checks that are `allowed`, on the standard error output.
 /// Throws UserError with the first error otherwise.
 void refuse_mistakes(const Record& record, const RecordedWire& wire,

@@ -92,6 +92,11 @@ Recorder::Recorder(const hal::TraceReader& trace, std::size_t most) : most_(most
   }
 }
 
+Recorder::Recorder(std::vector<hal::Column> columns, std::string line_word, std::size_t most)
+    : kept_(std::move(columns)), most_(most) {
+  record_.line_word = std::move(line_word);
+}
+
 void Recorder::add(const hal::TraceRow& row) {
   if (rows() >= most_ && rows() % block == 0) {
     thin();

@@ -67,6 +67,9 @@ class Recorder {
   /// Of a trace of more rows than `most`, every second, fourth, ... block of rows is kept, so that
   /// the record is of the whole trace, and most rows still have their neighbours.
   explicit Recorder(const hal::TraceReader& trace, std::size_t most = all_rows);
+  /// For rows with these columns that are from no file; `line_word` says what the numbers of rows
+  /// (TraceRow::line) are.
+  Recorder(std::vector<hal::Column> columns, std::string line_word, std::size_t most = all_rows);
 
   void add(const hal::TraceRow& row);
   std::size_t rows() const { return record_.lines.size(); }

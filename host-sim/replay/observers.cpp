@@ -57,18 +57,30 @@ const std::vector<ObserverKind>& observer_kinds() {
   return kinds;
 }
 
-std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<double>& wire,
-                                           const RunSettings& settings,
-                                           const Measurement<double>& first, double ambient_K) {
+namespace {
+
+const ObserverKind& kind_of(std::string_view name) {
   std::vector<std::string_view> names;
   for (const ObserverKind& kind : observer_kinds()) {
     if (kind.name == name) {
-      return kind.make({wire, settings, first, ambient_K});
+      return kind;
     }
     names.push_back(kind.name);
   }
   throw files::UserError(
       fmt::format("--observer {}: no such observer; there are: {}", name, fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+void require_observer(std::string_view name) {
+  kind_of(name);
+}
+
+std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<double>& wire,
+                                           const RunSettings& settings,
+                                           const Measurement<double>& first, double ambient_K) {
+  return kind_of(name).make({wire, settings, first, ambient_K});
 }
 
 }  // namespace smaservo::replay

@@ -36,6 +36,9 @@ struct ObserverKind {
 const std::vector<ObserverKind>& observer_kinds();
 
 /// Throws UserError for a name that does not exist.
+void require_observer(std::string_view name);
+
+/// Throws UserError for a name that does not exist.
 std::unique_ptr<AnyObserver> make_observer(std::string_view name, const Wire<double>& wire,
                                            const RunSettings& settings,
                                            const Measurement<double>& first, double ambient_K);

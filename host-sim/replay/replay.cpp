@@ -11,7 +11,7 @@
 #include "host-sim/checks/findings.hpp"
 #include "host-sim/how_read.hpp"
 #include "host-sim/replay/estimate_file.hpp"
-#include "host-sim/replay/observers.hpp"
+#include "host-sim/replay/rows/reading_loop.hpp"
 #include "model/files/error.hpp"
 #include "model/files/progress.hpp"
 #include "model/units.hpp"
@@ -23,7 +23,6 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double lost_percent = 20;
 constexpr double settling_s = 1;
-constexpr double longest_gap_s = 60;
 
 /// The strain that the trace knows to be true, or NaN.
 class Reference {
@@ -237,60 +236,39 @@ void replay_bath(const ReplayOptions& options, hal::TraceReader trace, ReplayRes
   sink.finish(trace);
 }
 
-using Observers = std::vector<std::unique_ptr<AnyObserver>>;
-
-Observers start_observers(const ReplayOptions& options, const RunSettings& settings,
-                          const ReplayResult& result, const hal::ReplayBoard& board,
-                          const Measurement<double>& first) {
-  double ambient_K = room_K;
+/// The air that observers start from with this row.
+double ambient_K(const ReplayOptions& options, const hal::ReplayBoard& board) {
   if (options.ambient_K) {
-    ambient_K = *options.ambient_K;
-  } else if (board.trace().has(hal::Column::ambient)) {
-    ambient_K = board.row()[hal::Column::ambient];
+    return *options.ambient_K;
   }
-  Observers observers;
-  for (const ObserverResult& wanted : result.observers) {
-    observers.push_back(make_observer(wanted.name, options.wire.wire, settings, first, ambient_K));
-  }
-  return observers;
+  return board.trace().has(hal::Column::ambient) ? board.row()[hal::Column::ambient] : room_K;
 }
 
 void replay_electrical(const ReplayOptions& options, const RunSettings& settings,
                        hal::TraceReader reader, ReplayResult& result) {
   const Wire<double>& wire = options.wire.wire;
-  const MeasurementParams<double> measurement = measurement_params(wire, settings);
   const double load_N = default_load_N(options, reader);
   Sink sink(options, reader, result);
+  std::vector<std::string> observers;
   for (const std::string& name : options.observers) {
-    if (result.observers.empty() || result.has_reference) {
+    if (observers.empty() || result.has_reference) {
+      observers.push_back(name);
       result.observers.push_back({name, {}, false});
     }
   }
   files::Progress progress("replay", reader.file_size());
   checks::Recorder recorder(reader, most_checked);
   hal::ReplayBoard board(std::move(reader), load_N, wire.geometry.area_m2());
-  Observers observers;
+  ReadingLoop loop(wire, settings, observers);
   hal::Frame frame{};
-  std::int64_t last_ns = 0;
-  std::uint32_t piece = 0;
   while (board.read(frame) == hal::ReadStatus::frame) {
-    const Measurement<double> m =
-        measure(measurement, Sample<double>{frame.current_A, frame.voltage_V, frame.load_N});
-    const double dt_s = static_cast<double>(frame.time_ns - last_ns) * 1e-9;
     recorder.add(board.row());
-    if (observers.empty() || dt_s > longest_gap_s || board.row().piece != piece) {
-      piece = board.row().piece;
-      if (!observers.empty()) {
-        sink.restart();
-      }
-      observers = start_observers(options, settings, result, board, m);
-    } else {
-      for (const auto& observer : observers) {
-        observer->advance(m, dt_s);
-      }
+    if (loop.add({frame.current_A, frame.voltage_V, frame.load_N},
+                 {frame.time_ns, board.row().piece, ambient_K(options, board)})) {
+      sink.restart();
     }
-    last_ns = frame.time_ns;
-    const Estimate<double> e = observers.front()->estimate();
+    const Measurement<double>& m = loop.measurement();
+    const Estimate<double> e = loop.estimate();
     report::PlotPoint point{};
     point.current_A = frame.current_A;
     point.stress_MPa = m.stress_Pa * 1e-6;
@@ -306,12 +284,12 @@ void replay_electrical(const ReplayOptions& options, const RunSettings& settings
               .strain_ref = nan},
              board.row(), point);
     for (std::size_t i = 1; i < observers.size(); ++i) {
-      sink.compare(i, observers[i]->estimate().strain);
+      sink.compare(i, loop.estimate(i).strain);
     }
     progress.update(board.trace().bytes());
   }
   check_record(options, std::move(recorder), checks::RunKind::joule,
-               measurement.lead_resistance_ohm);
+               loop.sensors().lead_resistance_ohm);
   sink.finish(board.trace());
 }
 

@@ -30,10 +30,23 @@ library_packages() {
     sed -nE 's/^shlibs:Depends=(.+)$/\1/p' | grep .
 }
 
-# make_package ARCHITECTURE PRESET TRIPLET: build/packages/smaservo_VERSION_ARCHITECTURE.deb, and libsmaservo-dev_ the
-# same. What smaservo-table alone needs is recommended: a board that reads no spreadsheets does without.
+# python_needs TREE: what python3-smaservo needs, if the tree has it.
+python_needs() {
+  local core needed
+  core=$(cd "$1" && printf '%s\n' host-sim/python/smaservo/_core*.so)
+  [[ -e $1/$core ]] || return 0
+  needed=$(library_packages "$1" '' "$core") || return
+  # The extension's name has the version of Python that it is for.
+  local minor=${core#*cpython-3}
+  minor=${minor%%-*}
+  printf '%s, python3 (>= 3.%d~), python3 (<< 3.%d), python3-numpy\n' "$needed" "$minor" "$((minor + 1))"
+}
+
+# make_package ARCHITECTURE PRESET TRIPLET: build/packages/smaservo_VERSION_ARCHITECTURE.deb, libsmaservo-dev_ the same,
+# and of this machine's architecture python3-smaservo_. What smaservo-table alone needs is recommended: a board that reads no spreadsheets does without.
 make_package() {
-  local architecture=$1 tree=$root/build/$2 needed recommended
+  local architecture=$1 tree=$root/build/$2 needed recommended python
+  python=$(python_needs "$tree") || return
   needed=$(library_packages "$tree" "$3" firmware/daemon/smaservod host-sim/host-sim) || return
   recommended=$(library_packages "$tree" "$3" lib/smaservo/smaservo-table) || return
   recommended=$(comm -13 <(tr , '\n' <<<"$needed" | sed -E 's/^ | [(].*//g' | sort) \
@@ -42,7 +55,8 @@ make_package() {
     cpack --config "$tree/CPackConfig.cmake" -G DEB -B "$root/build/packages" \
     -D CPACK_DEBIAN_PACKAGE_ARCHITECTURE="$architecture" \
     -D CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS="$needed, systemd" \
-    -D CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS="$recommended" || return
+    -D CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS="$recommended" \
+    -D CPACK_DEBIAN_PYTHON3_PACKAGE_DEPENDS="$python" || return
   rm -rf "$root/build/packages/_CPack_Packages"
 }
 
@@ -64,6 +78,7 @@ run_package() {
     step "package-$architecture" make_package "$architecture" "$preset" "$triplet" || return
     near "$(package_file "$architecture")"
     near "$(package_file "$architecture" libsmaservo-dev)"
+    [[ -n $triplet ]] || near "$(package_file "$architecture" python3-smaservo)"
   done
 }
 
@@ -230,6 +245,25 @@ check_library() {
   [[ -n $triplet ]] || "$root/tests/library/library_test.py" cmake "$folder/usr" "$root" g++
 }
 
+# check_python ARCHITECTURE: python3-smaservo, as it was unpacked.
+check_python() {
+  local package folder=$root/build/packages/python-$1
+  package=$(package_file "$1" python3-smaservo)
+  lintian --tag-display-limit 0 --allow-root --fail-on error,warning "$package" || return
+  [[ $(dpkg-deb --field "$package" Depends) == *libc6*'python3 (>= 3.'*python3-numpy* ]] || {
+    dpkg-deb --info "$package"
+    return 1
+  }
+  rm -rf "$folder"
+  dpkg-deb --extract "$package" "$folder" || return
+  (cd "$root" && PYTHONPATH=$folder/usr/lib/python3/dist-packages PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -c '
+import smaservo, sys
+assert smaservo.__file__.startswith(sys.argv[1]), smaservo.__file__
+recording = smaservo.read("host-sim/traces/150MPa.csv")
+estimate = smaservo.replay("host-sim/traces/units/a.toml", recording)
+assert abs(estimate.strain[-1] - recording.strain_ref[-1]) < 1e-3' "$folder")
+}
+
 # test_package [ARCHITECTURE...]: makes the packages, looks at them, installs and runs what is in them.
 test_package() {
   local architecture
@@ -241,5 +275,7 @@ test_package() {
     say "checking the package for $architecture"
     step "package-check-$architecture" check_package "$architecture" || return
     step "library-check-$architecture" check_library "$architecture" || return
+    [[ $architecture != $(dpkg --print-architecture) ]] ||
+      step "python-check-$architecture" check_python "$architecture" || return
   done
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <utility>
 
 #include "host-sim/checks/findings.hpp"
 #include "host-sim/checks/statistics.hpp"
@@ -106,6 +107,19 @@ void check_content(const Run& run) {
 
 }  // namespace
 
+Run run_of(checks::Record record, const RunOptions& options) {
+  Run run = std::move(record);
+  if (run.lines.empty()) {
+    fail(run, "has no usable row");
+  }
+  run.kind = kind_of(run, is_heated(run, options.geometry));
+  if (run.stress_Pa.empty()) {
+    run.stress_Pa = given_stress(run, options, run.lines.size());
+  }
+  check_content(run);
+  return run;
+}
+
 Run read_run(const std::string& path, const RunOptions& options) {
   hal::TraceOptions trace_options = options.trace;
   trace_options.resistance_and_power = true;
@@ -116,20 +130,12 @@ Run read_run(const std::string& path, const RunOptions& options) {
   while (trace.next(row)) {
     recorder.add(row);
   }
-  const std::size_t rows = recorder.rows();
   Run run = recorder.finish(path == "-" ? "standard input" : path, options.geometry);
   say_what_was_skipped(path, trace);
   for (const std::string& complaint : trace.complaints()) {
     files::complain("host-sim", fmt::format("{}: skipped: {}", run.name, complaint));
   }
-  if (rows == 0) {
-    fail(run, "has no usable row");
-  }
-  run.kind = kind_of(run, is_heated(run, options.geometry));
-  if (run.stress_Pa.empty()) {
-    run.stress_Pa = given_stress(run, options, rows);
-  }
-  check_content(run);
+  run = run_of(std::move(run), options);
   checks::refuse_mistakes(run, {options.geometry}, options.allowed);
   return run;
 }

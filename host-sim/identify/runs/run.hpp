@@ -28,6 +28,10 @@ struct RunOptions {
   std::vector<std::string> allowed = {};  // NOLINT(readability-redundant-member-init): for braces
 };
 
+/// Makes a run of a record: finds its kind and its stress, and refuses what read_run() refuses,
+/// except for mistakes that the checks would find. Throws UserError.
+Run run_of(checks::Record record, const RunOptions& options);
+
 /// Reads the whole file. Throws UserError, which says what to measure instead, for a file that
 /// - is of no kind, has fewer than 20 rows, or nothing to fit to;
 /// - shows no motion: strain within 0.3 % and resistance within 2 %, or in calorimetry temperature
