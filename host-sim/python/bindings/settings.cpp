@@ -42,7 +42,7 @@ py::object value_of(const SettingRow& row, const Settings<double>& settings) {
     case ValueType::real:
       break;
   }
-  return py::float_(double{value.real()});
+  return py::float_(static_cast<double>(value.real()));
 }
 
 /// The value of a row that this object is; nullopt: it is none.
