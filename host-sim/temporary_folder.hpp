@@ -17,7 +17,14 @@ class TemporaryFolder {
  public:
   /// Throws UserError if it cannot be created.
   TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "host-sim-XXXXXX").string();
+    std::error_code missing;
+    const std::filesystem::path where = std::filesystem::temp_directory_path(missing);
+    if (missing) {
+      throw files::UserError(
+          fmt::format("the folder for temporary files, {}: {}; let TMPDIR name one that exists",
+                      where.string(), missing.message()));
+    }
+    std::string name = (where / "host-sim-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) {
       throw files::UserError(fmt::format("{}: {}", name, std::strerror(errno)));
     }

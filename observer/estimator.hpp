@@ -48,19 +48,24 @@ class Estimator {
   static constexpr S longest_gap_s = S(60);
 
   /// The first reading starts the estimator, in air of about `ambient_K`; an error of 20 K is
-  /// allowed for. `wire` is a wire as load_wire() gives it: its numbers are not checked again.
+  /// allowed for, and 25 °C are assumed where it is NaN. `wire` is a wire as load_wire() gives it:
+  /// its numbers are not checked again.
   explicit Estimator(const Wire<S>& wire, const S& ambient_K = S(room_K))
       : Estimator(wire, good_front_end(wire), kalman_tuning(wire.accuracy), ambient_K) {}
   /// For sensors that are known, and for another tuning.
   Estimator(const Wire<S>& wire, const MeasurementParams<S>& sensors, const KalmanTuning<S>& tuning,
             const S& ambient_K = S(room_K))
-      : sensors_(sensors), params_{plant_params(wire), tuning}, ambient_K_(ambient_K) {}
+      : sensors_(sensors),
+        params_{plant_params(wire), tuning},
+        ambient_K_(known_or_room_K(ambient_K)) {}
 
   /// The estimate after a reading that was taken dt_s after the last one; the first reading's dt_s
   /// is not used. Any interval is allowed: one of more than 7.5 ms is divided into equal steps of
-  /// about 5 ms, and one of more than longest_gap_s starts anew. A value that is NaN or out of
-  /// range is not used, the others are. All numbers are NaN, with Health::doubtful, until a reading
-  /// has a load, and if dt_s is not greater than 0; such a reading is ignored.
+  /// about 5 ms, and one of more than longest_gap_s starts anew. A value that is NaN is not used,
+  /// and neither is a resistance that this wire cannot have; the others are. Loads and powers are
+  /// believed as they are: refuse what your sensors cannot mean before. All numbers are NaN, with
+  /// Health::doubtful, until a reading has a load, and if dt_s is not greater than 0; such a
+  /// reading is ignored.
   Estimate<S> update(const Sample<S>& reading, const S& dt_s) {
     using std::isfinite;
     if (started_ && !(S(0) < dt_s)) {
@@ -77,9 +82,9 @@ class Estimator {
       Observer::start(params_, state_, measurement_, ambient_K_);
     }
     const Estimate<S> e = Observer::estimate(params_, state_);
-    // NaN would never leave the observer.
-    started_ = isfinite(e.strain + e.temperature_K);
-    return e;
+    // NaN would never leave the observer: the next reading starts it anew.
+    started_ = isfinite(e.strain + e.strain_sd + e.temperature_K);
+    return started_ ? e : unknown();
   }
 
   /// Forgets all readings.
@@ -97,6 +102,10 @@ class Estimator {
   const typename Observer::State& state() const { return state_; }
 
  private:
+  static S known_or_room_K(const S& ambient_K) {
+    using std::isfinite;
+    return isfinite(ambient_K) ? ambient_K : S(room_K);
+  }
   static Estimate<S> unknown() {
     constexpr S nan = std::numeric_limits<S>::quiet_NaN();
     return {nan, nan, nan, nan, nan, nan, Health::doubtful};

@@ -61,7 +61,8 @@ class Servo {
 
   /// As given to the constructor.
   const Settings<S>& settings() const { return prepared_.settings; }
-  /// The output of the last step; all zero before the first.
+  /// The output of the last step that was made, all zero before the first: for looking, not for the
+  /// drive, which gets what update() returns.
   const Output<S>& last() const { return state_.last; }
 
  private:

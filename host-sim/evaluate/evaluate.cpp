@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "host-sim/evaluate/observer_program.hpp"
@@ -86,8 +87,8 @@ void check(const EvaluateOptions& options, const replay::RunSettings& settings) 
       throw files::UserError(fmt::format("--observer {}: is given twice", *name));
     }
   }
-  observer_program_names(options.programs);
   std::ranges::for_each(options.programs, check_observer_program);
+  observer_program_names(options.programs);
 }
 
 std::function<void(std::size_t)> reporting(const EvaluateOptions& options, std::string_view stage,
@@ -277,6 +278,11 @@ RowResult row_result(const EvaluateOptions& options, std::size_t row, std::vecto
   return result;
 }
 
+/// Only while programs of others run: without them a signal ends this one as usual.
+std::optional<EndBySignal> ends_programs(const EvaluateOptions& options) {
+  return options.programs.empty() ? std::nullopt : std::optional<EndBySignal>(std::in_place);
+}
+
 }  // namespace
 
 Evaluation evaluate(const EvaluateOptions& options) {
@@ -288,9 +294,13 @@ Evaluation evaluate(const EvaluateOptions& options) {
   std::vector<JudgedUnit> units = make_units(options);
   const std::vector<Job> jobs = work_list(options, rows, units);
   if (calibrated) {
+    const std::optional<EndBySignal> end = ends_programs(options);
     try_programs(options, jobs.front(), units[jobs.front().unit]);
+  }
+  if (calibrated) {
     calibrate(options, units);
   }
+  const std::optional<EndBySignal> end = ends_programs(options);
   const double stroke = units.front().type_file.nominal_stroke;
   std::vector<std::vector<JudgedRun>> judged(jobs.size());
   parallel(

@@ -84,6 +84,15 @@ Pipe open_pipe(bool written_here) {
 
 constexpr int unknown_end = -1;
 
+constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP};
+/// How long a conversation may take to see that one has come.
+constexpr std::chrono::milliseconds signal_patience{200};
+
+volatile std::sig_atomic_t& signal_that_came() {
+  static volatile std::sig_atomic_t signal = 0;
+  return signal;
+}
+
 /// The running program, in a process group of its own.
 class Child {
  public:
@@ -171,6 +180,7 @@ std::string_view trimmed(std::string_view text) {
 /// False if it is no finite number.
 bool read_number(std::string_view text, double& value) {
   text = trimmed(text);
+  text.remove_prefix(text.starts_with('+') ? 1 : 0);
   const char* const begin = text.data();
   const char* const end = begin + text.size();
   const auto [at, error] = std::from_chars(begin, end, value);
@@ -220,7 +230,11 @@ class Conversation {
                                    {child_.output(), POLLIN, 0},
                                    {child_.errors(), POLLIN, 0},
                                    {child_.running(), POLLIN, 0}}};
-      const int ready = poll(files.data(), files.size(), static_cast<int>(left.count()));
+      if (signal_that_came() != 0) {
+        fail("is ended with this program");
+      }
+      const int ready = poll(files.data(), files.size(),
+                             static_cast<int>(std::min(left, signal_patience).count()));
       if (ready < 0 && errno != EINTR) {
         fail_with_errno("waiting for it");
       }
@@ -310,6 +324,9 @@ class Conversation {
       return;
     }
     if (answers_.size() == rows_) {
+      if (line.empty()) {
+        return;
+      }
       fail(
           fmt::format("writes more lines than the {} rows that it is given; it must write one for "
                       "each row, and before these only a header that begins with \"strain\"",
@@ -394,6 +411,25 @@ class Conversation {
 };
 
 }  // namespace
+
+EndBySignal::EndBySignal() {
+  signal_that_came() = 0;
+  struct sigaction action{};
+  action.sa_handler = [](int signal) { signal_that_came() = signal; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
+  for (std::size_t i = 0; i < ending_signals.size(); ++i) {
+    sigaction(ending_signals[i], &action, &before_[i]);
+  }
+}
+
+EndBySignal::~EndBySignal() {
+  for (std::size_t i = 0; i < ending_signals.size(); ++i) {
+    sigaction(ending_signals[i], &before_[i], nullptr);
+  }
+  if (signal_that_came() != 0) {
+    raise(signal_that_came());
+  }
+}
 
 void check_observer_program(const std::string& program) {
   std::error_code ignored;

@@ -47,8 +47,9 @@ class WirePlant {
   /// update() refuses a longer dt_s.
   static constexpr S longest_update_s = S(60);
 
-  /// The wire rests at this ambient temperature under this load, cooled from far above. `wire` is a
-  /// wire as load_wire() gives it: its numbers are not checked again.
+  /// The wire rests at this ambient temperature under this load, cooled from far above; both are
+  /// finite, and the temperature is above 0. `wire` is a wire as load_wire() gives it: its numbers
+  /// are not checked again.
   explicit WirePlant(const Wire<S>& wire, const S& load_N = S(0), const S& ambient_K = S(room_K))
       : area_m2_(wire.geometry.area_m2()), params_(plant_params(wire)), still_(params_.body) {
     // A wire reverses after any change of temperature; only an observer needs a threshold, because

@@ -157,6 +157,7 @@ def missing(stage, sources):
                'compatible with requested version "0.2"', 'smaservo-config.cmake, version: 0.1')
         demand(configure('smaservo REQUIRED COMPONENTS models'),
                'smaservo has no component models; it has model, observer, device, files')
+        configure('smaservo REQUIRED COMPONENTS model OPTIONAL_COMPONENTS models', code=0)
         demand(configure('smaservo REQUIRED', '-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON'), 'Eigen3')
         demand(configure('smaservo REQUIRED', '-DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON'), 'fmt')
         demand(configure('smaservo REQUIRED', env={'PKG_CONFIG_LIBDIR': '/nowhere'}),

@@ -75,6 +75,19 @@ TEST(Estimator, NothingIsKnownBeforeTheFirstLoad) {
   }
 }
 
+TEST(Estimator, AnAirSensorThatHasFailedIsAsNone) {
+  const ShippedTrace trace = shipped_traces().front();
+  Estimator none{load_unit(trace)};
+  for (const double air_K : {nan, std::numeric_limits<double>::infinity()}) {
+    Estimator failed{load_unit(trace), air_K};
+    none.restart();
+    for (const TraceStep& step : load_trace(trace)) {
+      ASSERT_EQ(bits(failed.update(step.sample, step.dt_s)),
+                bits(none.update(step.sample, step.dt_s)));
+    }
+  }
+}
+
 /// An interval that is none changes nothing; a gap of more than a minute starts anew.
 TEST(Estimator, IntervalsThatAreNone) {
   const ShippedTrace trace = shipped_traces().front();
@@ -115,6 +128,7 @@ TEST(Estimator, SurvivesAnyReading) {
     const Estimate<double> e =
         estimator.update(s, random() % 10 == 0 ? odd.at(random() % odd.size()) : 1e-3);
     unknown += is_unknown(e) ? 1 : 0;
+    ASSERT_TRUE(is_unknown(e) || std::isfinite(e.strain + e.strain_sd + e.temperature_K));
   }
   EXPECT_GT(unknown, 0);
   EXPECT_LT(unknown, 20000);

@@ -9,7 +9,8 @@ namespace smaservo::files {
 
 /// A header with one function template that returns the wire, to the same bits in double:
 ///   template <class S> smaservo::Wire<S> wire_smartflex_76um();
-/// Its name is the description's, with an underscore for what no C++ name may have. The header
+/// Its name is the description's, with an underscore for what no C++ name may have: give wires of
+/// one program names that differ in letters or digits. The header
 /// needs the headers of the installed library and nothing else.
 std::string to_header(const WireDescription& description);
 

@@ -3,9 +3,11 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "hal/linux/system/descriptor.hpp"
 #include "model/files/wire/wire_fields.hpp"
@@ -101,6 +103,31 @@ TEST(CompareCommand, CtrlCLeavesNothingBehind) {
   EXPECT_EQ(program.wait(child).status, 128 + SIGINT);
   EXPECT_EQ(program.folder().names(), before);
   EXPECT_EQ(file_text(program.folder() / "c.json"), "old");
+}
+
+/// A program of the user's leaves its process number and then does nothing for ever.
+TEST(EvaluateCommand, CtrlCEndsTheUsersProgramAndItsFiles) {
+  std::signal(SIGINT, SIG_DFL);
+  Program program;
+  const std::string number = program.folder() / "number";
+  const std::string observer =
+      program.folder().write("observer", "#!/bin/sh\necho $$ > " + number + ".new && mv " + number +
+                                             ".new " + number + "\nexec sleep 100000\n");
+  ASSERT_EQ(chmod(observer.c_str(), S_IRWXU), 0);
+  const std::string scratch = program.folder() / "scratch";
+  ASSERT_EQ(mkdir(scratch.c_str(), S_IRWXU), 0);
+  setenv("TMPDIR", scratch.c_str(), 1);
+  const pid_t child = program.start({"evaluate", "--units", "1", "--runs", "1", "--row",
+                                     "uncalibrated", "--observer-program", observer},
+                                    open("/dev/null", O_RDONLY | O_CLOEXEC), "/dev/null");
+  unsetenv("TMPDIR");
+  ASSERT_TRUE(becomes([&] { return std::ifstream(number).good(); }));
+  ASSERT_EQ(kill(child, SIGINT), 0);
+  EXPECT_EQ(program.wait(child).status, 128 + SIGINT);
+  pid_t users = 0;
+  ASSERT_TRUE(std::ifstream(number) >> users);
+  EXPECT_EQ(kill(users, 0), -1) << "the user's program still runs";
+  EXPECT_TRUE(std::filesystem::is_empty(scratch));
 }
 
 }  // namespace
