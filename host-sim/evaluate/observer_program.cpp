@@ -418,7 +418,11 @@ EndBySignal::EndBySignal() {
   action.sa_handler = [](int signal) { signal_that_came() = signal; };
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   for (std::size_t i = 0; i < ending_signals.size(); ++i) {
-    sigaction(ending_signals[i], &action, &before_[i]);
+    sigaction(ending_signals[i], nullptr, &before_[i]);
+    // One that is ignored, as by nohup, stays so.
+    if (before_[i].sa_handler != SIG_IGN) {
+      sigaction(ending_signals[i], &action, nullptr);
+    }
   }
 }
 

@@ -29,9 +29,9 @@ std::vector<std::string> observer_program_names(const std::vector<std::string>& 
 /// A program that for so long neither reads a row nor answers is ended.
 inline constexpr std::chrono::milliseconds program_patience{60'000};
 
-/// While one exists, SIGINT, SIGTERM and SIGHUP end what ask_observer_program() runs, by an
-/// exception, and end this program when it is destroyed: so nothing stays behind. The second signal
-/// ends it at once.
+/// While one exists, SIGINT, SIGTERM and SIGHUP, but those that are ignored, end what
+/// ask_observer_program() runs, by an exception, and end this program when it is destroyed: so
+/// nothing stays behind. The second signal ends it at once.
 class EndBySignal {
  public:
   EndBySignal();
