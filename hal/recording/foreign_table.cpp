@@ -8,11 +8,11 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <utility>
 
+#include "hal/recording/start_program.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::hal {
@@ -50,36 +50,20 @@ std::size_t read_some(int file, char* to, std::size_t room) {
   return static_cast<std::size_t>(got);
 }
 
-/// Starts the program on a file. What the caller has set of environment, signals and open files
-/// does not reach it. Returns 0 or an error.
+/// Starts the program on a file, with an environment of its own. Returns 0 or an error.
 int start(const std::string& program, int file, int output, int errors, pid_t& child) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, file, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
-  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t signals;
-  sigfillset(&signals);
-  posix_spawnattr_setsigdefault(&attributes, &signals);
-  sigemptyset(&signals);
-  posix_spawnattr_setsigmask(&attributes, &signals);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
-  std::string name = program;
-  std::string path = "/proc/self/fd/0";
-  std::array<char*, 3> arguments{name.data(), path.data(), nullptr};
   // HDF5 takes no lock, which some network drives refuse, and loads no other code.
   std::string locale = "LC_ALL=C";
   std::string locks = "HDF5_USE_FILE_LOCKING=FALSE";
   std::string plugins = "HDF5_PLUGIN_PRELOAD=::";
   std::array<char*, 4> environment{locale.data(), locks.data(), plugins.data(), nullptr};
-  const int failed = posix_spawn(&child, program.c_str(), &actions, &attributes, arguments.data(),
-                                 environment.data());
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  return failed;
+  return start_program({.program = program,
+                        .arguments = {"/proc/self/fd/0"},
+                        .input = file,
+                        .output = output,
+                        .errors = errors,
+                        .environment = environment.data()},
+                       child);
 }
 
 /// What a status of the program's end means, but for its own messages.

@@ -14,7 +14,6 @@
 #include <iterator>
 #include <limits>
 #include <poll.h>
-#include <spawn.h>
 #include <string_view>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -23,6 +22,7 @@
 #include <utility>
 
 #include "hal/linux/system/descriptor.hpp"
+#include "hal/recording/start_program.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/temporary_folder.hpp"
 #include "model/files/error.hpp"
@@ -100,29 +100,14 @@ class Child {
     Pipe input = open_pipe(true);
     Pipe output = open_pipe(false);
     Pipe errors = open_pipe(false);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, input.to_read.number(), STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, output.to_write.number(), STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, errors.to_write.number(), STDERR_FILENO);
-    posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    sigset_t signals;
-    sigfillset(&signals);
-    posix_spawnattr_setsigdefault(&attributes, &signals);
-    sigemptyset(&signals);
-    posix_spawnattr_setsigmask(&attributes, &signals);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(
-        &attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
-    std::string name = program;
-    std::string argument = wire_file;
-    std::array<char*, 3> arguments{name.data(), argument.data(), nullptr};
-    const int failed =
-        posix_spawn(&number_, program.c_str(), &actions, &attributes, arguments.data(), environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
+    const int failed = hal::start_program({.program = program,
+                                           .arguments = {wire_file},
+                                           .input = input.to_read.number(),
+                                           .output = output.to_write.number(),
+                                           .errors = errors.to_write.number(),
+                                           .environment = environ,
+                                           .own_group = true},
+                                          number_);
     if (failed != 0) {
       throw files::UserError(fmt::format(
           "--observer-program {}: cannot be started: {}; a script must begin with a line that "

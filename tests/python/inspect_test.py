@@ -1,18 +1,17 @@
 """python -m smaservo inspect is host-sim inspect; smaservo.inspect() is its JSON."""
 
 import json
-import subprocess
 import sys
 
 import pytest
 import smaservo
-from places import HOST_SIM, SOURCE, TRACES
+from places import HOST_SIM, TRACES, run_program
 
 
 def both(*arguments):
     """What host-sim and the package do with the same arguments: status and both outputs."""
     runs = [
-        subprocess.run([*program, 'inspect', *map(str, arguments)], capture_output=True, text=True, cwd=SOURCE)
+        run_program(*program, 'inspect', *arguments)
         for program in ([HOST_SIM], [sys.executable, '-m', 'smaservo'])
     ]
     return [(run.returncode, run.stdout, run.stderr) for run in runs]

@@ -137,20 +137,20 @@ TEST(ObserverProgram, MayCloseItsInput) {
   EXPECT_EQ(sigismember(&set, SIGPIPE), 0) << "as it was before";
 }
 
-/// A child that it leaves behind, which has its output open, is ended.
-/// As by nohup.
+/// As SIGHUP is by nohup.
 TEST(ObserverProgram, GoesOnWhenASignalIsIgnored) {
   const TemporaryFolder folder;
   const std::string program = shell(folder, "cat >/dev/null; echo 0.1; echo 0.2");
   const auto before = std::signal(SIGHUP, SIG_IGN);
   {
-    const EndBySignal end;
+    const evaluate::EndBySignal end;
     raise(SIGHUP);
     EXPECT_EQ(ask(program, some_rows(2)).size(), 2U);
   }
   EXPECT_EQ(std::signal(SIGHUP, before), SIG_IGN);
 }
 
+/// A child that it leaves behind, which has its output open, is ended.
 TEST(ObserverProgram, IsOverWhenItEnds) {
   const TemporaryFolder folder;
   const std::string program = shell(folder, "sleep 1000 & cat >/dev/null; echo 0.1; echo 0.2");
