@@ -59,12 +59,15 @@ constexpr KalmanTuning<S> kalman_tuning(const Accuracy<S>& accuracy) {
   return tuning;
 }
 
+/// The filter: observer/README.md has its equations. It is an observer (StrainObserver). All
+/// functions are static; what changes is in State.
 template <class S>
 struct KalmanObserver : FilterStates {
   using Scalar = S;
   using Kinetics = ThreePhase<S>;
   using Model = Plant<Kinetics>;
 
+  /// The wire and the tuning.
   struct Params {
     typename Model::Params model;
     KalmanTuning<S> tuning;
@@ -72,6 +75,7 @@ struct KalmanObserver : FilterStates {
 
   using Vector = typename Covariance<S>::Vector;
 
+  /// Mean and covariance of the estimate; trivially copyable.
   struct State {
     Covariance<S> covariance;
     typename Kinetics::State kinetics;
@@ -97,13 +101,17 @@ struct KalmanObserver : FilterStates {
   /// The change of the phases at rest per kelvin of the ambient temperature. Cost: half of a start
   /// at rest.
   static PhaseRates<S> rest_slope(const Params& p, const S& stress_Pa, const S& ambient_K);
+  /// The same in place, with rest_slope() computed before.
   static void start_at_rest(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K,
                             const PhaseRates<S>& rest_slope);
   /// Starts from a guess of temperature and phases.
   static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K,
                     const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
                     const S& temperature_sd_K);
+  /// One step of dt_s, 0 to 5 ms: predicts with the power and stress of the measurement, then
+  /// corrects with its resistance, where that is valid.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
+  /// The strain with its standard deviation, temperature, phases and health.
   static Estimate<S> estimate(const Params& p, const State& s);
   /// Whether the resistance differs from the model's by more than 1 %, averaged over 2 s.
   static bool contradicted(const State& s) { return S(0.01) < s.mismatch; }
@@ -132,6 +140,7 @@ struct KalmanObserver : FilterStates {
     S ohm;
     Vector slope;
   };
+  /// At the state's present mean.
   static Expected expected(const Params& p, const State& s);
 
  private:

@@ -17,6 +17,8 @@
 
 namespace smaservo {
 
+/// Kalman filters that start from six hypotheses; the likeliest gives the estimate. It is an
+/// observer (StrainObserver) for a wire of which nothing is known at the start.
 template <class S>
 struct MultipleModelFilter {
   using Scalar = S;
@@ -31,6 +33,7 @@ struct MultipleModelFilter {
     S energy_J;
   };
 
+  /// The hypotheses and how likely they are; trivially copyable.
   struct State {
     /// Hypothesis i starts as open() defines it.
     std::array<typename Filter::State, hypotheses> filter;

@@ -9,12 +9,14 @@
 
 namespace smaservo {
 
+/// The observer O with steps of any length.
 template <StrainObserver O>
 struct Substepping {
   using Scalar = typename O::Scalar;
   using Params = typename O::Params;
   using S = Scalar;
 
+  /// O's state and the last measurement.
   struct State {
     typename O::State observer;
     Measurement<S> last;
@@ -24,6 +26,7 @@ struct Substepping {
   /// An interval is divided into at most this many substeps.
   static constexpr int max_substeps = 65536;
 
+  /// As O's.
   static State start(const Params& p, const Measurement<S>& m, const S& ambient_K) {
     return {O::start(p, m, ambient_K), m};
   }
@@ -50,6 +53,7 @@ struct Substepping {
     s.last = m;
   }
 
+  /// As O's.
   static Estimate<S> estimate(const Params& p, const State& s) {
     return O::estimate(p, s.observer);
   }

@@ -8,15 +8,18 @@
 
 namespace smaservo::papers {
 
+/// The model: one of Kinetics.
 template <class S>
 struct Cosine {
   using Scalar = S;
 
+  /// The two processes.
   struct Params {
     CosineProcess<S> m2a;  ///< A_s, A_f, C_A
     CosineProcess<S> a2m;  ///< M_s, M_f, C_M
   };
 
+  /// Fraction and history; trivially copyable.
   struct State {
     Drive<S> drive;
     S martensite;
@@ -24,6 +27,7 @@ struct Cosine {
     Heading heading;
   };
 
+  /// A wire that was cooled to this temperature at this stress from far above.
   static State rest(const Params& p, const Drive<S>& u) {
     const S x = p.a2m.progress(u);
     return {u, S(1) - cosine_left(x), {S(1), x}, Heading::cooling};
@@ -50,9 +54,12 @@ struct Cosine {
     s.drive = u;
   }
 
+  /// Where the last step went.
   static Drive<S> drive(const State& s) { return s.drive; }
+  /// The fractions after it.
   static Phases<S> phases(const State& s) { return {s.martensite, S(0)}; }
 
+  /// Slopes for a small step in this heading at constant stress.
   static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
     const CosineProcess<S>& acting = process(p, heading);
     const S x = acting.progress(s.drive);

@@ -11,6 +11,7 @@
 
 namespace smaservo::papers {
 
+/// The model: one of Kinetics.
 template <class S>
 struct Duhem {
   using Scalar = S;
@@ -21,6 +22,7 @@ struct Duhem {
     S deviation_K;  ///< σ of the paper, > 0
     S stress_K_Pa;  ///< shift of μ per stress, the inverse Clausius-Clapeyron slope; 0 in 001
 
+    /// How far the drive is above the centre, in deviations.
     constexpr S deviations(const Drive<S>& u) const {
       return (u.temperature_K - centre_K - stress_K_Pa * u.stress_Pa) / deviation_K;
     }
@@ -35,6 +37,7 @@ struct Duhem {
     Process a2m;  ///< μ_-, σ_-
   };
 
+  /// The last drive and the fraction there; trivially copyable.
   struct State {
     Drive<S> drive;
     S martensite;
@@ -43,6 +46,7 @@ struct Duhem {
   /// Whether there is a loop at this drive.
   static bool ordered(const Params& p, const Drive<S>& u) { return has_loop(heating_place(p, u)); }
 
+  /// A wire that was cooled to this temperature at this stress from far above.
   static State rest(const Params& p, const Drive<S>& u) { return {u, right(p.a2m.deviations(u))}; }
 
   /// The path to the drive is straight in temperature and stress. A process acts on it while its
@@ -68,10 +72,12 @@ struct Duhem {
     }
   }
 
+  /// Where the last step went.
   static Drive<S> drive(const State& s) { return s.drive; }
+  /// The fractions after it.
   static Phases<S> phases(const State& s) { return {s.martensite, S(0)}; }
 
-  // 001 eq. 12
+  /// Slopes for a small step in this heading at constant stress (001 eq. 12).
   static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
     const Place place = heating_place(p, s.drive);
     if (!has_loop(place)) {

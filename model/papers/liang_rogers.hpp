@@ -15,10 +15,12 @@
 
 namespace smaservo::papers {
 
+/// The model: one of Kinetics.
 template <class S>
 struct LiangRogers {
   using Scalar = S;
 
+  /// The three processes.
   struct Params {
     CosineProcess<S> m2a;  ///< A_s, A_f, C_A
     CosineProcess<S> a2m;  ///< M_s, M_f, C_M
@@ -37,6 +39,7 @@ struct LiangRogers {
     Heading heading;
   };
 
+  /// A wire that was cooled to this temperature at this stress from far above.
   static State rest(const Params& p, const Drive<S>& u) {
     const S x = p.a2m.progress(u);
     const S y = p.a2r.progress(u);
@@ -65,9 +68,12 @@ struct LiangRogers {
     s.drive = u;
   }
 
+  /// Where the last step went.
   static Drive<S> drive(const State& s) { return s.drive; }
+  /// The fractions after it.
   static Phases<S> phases(const State& s) { return {s.martensite, s.r_phase}; }
 
+  /// Slopes for a small step in this heading at constant stress.
   static PhaseRates<S> rates(const Params& p, const State& s, Heading heading) {
     return heading == Heading::heating ? heating_rates(p, s) : cooling_rates(p, s);
   }

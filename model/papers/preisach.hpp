@@ -38,6 +38,7 @@ struct Staircase {
   S input;
   std::uint8_t count;
 
+  /// An input that came down from `from`, above all thresholds, to `to`.
   static constexpr Staircase cooled(const S& from, const S& to) {
     Staircase s{};
     s.turns[0] = from;
@@ -46,7 +47,9 @@ struct Staircase {
     return s;
   }
 
+  /// Whether the input is on its way up.
   constexpr bool heats() const { return count % 2 == 0; }
+  /// The last turning point, from which the present branch starts.
   constexpr const S& newest() const { return turns[count - 1U]; }
 
   /// Returns whether the turning points have changed. If there are too many, the two neighbours
@@ -123,6 +126,7 @@ struct PreisachParams {
   /// so that the fractions stay between 0 and 1.
   std::array<Increments, max_stresses> increments;
 
+  /// Place in Increments of a pair of nodes, hot > cold.
   static constexpr std::size_t index(std::size_t hot, std::size_t cold) {
     return hot * (hot - 1) / 2 + cold;
   }
@@ -136,6 +140,7 @@ struct Preisach {
   using Scalar = S;
   using Params = PreisachParams<S, nodes, max_stresses>;
 
+  /// Staircase and fraction; trivially copyable.
   struct State {
     Drive<S> drive;
     Staircase<S, memory_depth> memory;
@@ -151,6 +156,7 @@ struct Preisach {
            !(x < p.node_K[0]) && !(p.node_K[nodes - 1] < x);
   }
 
+  /// A wire that was cooled to this temperature at this stress from above all nodes.
   static State rest(const Params& p, const Drive<S>& u) {
     State s{};
     s.drive = u;
@@ -182,7 +188,9 @@ struct Preisach {
     s.drive = u;
   }
 
+  /// Where the last step went.
   static Drive<S> drive(const State& s) { return s.drive; }
+  /// The fractions after it.
   static Phases<S> phases(const State& s) { return {s.martensite, S(0)}; }
 
   /// The slopes in the cell that the branch is in.

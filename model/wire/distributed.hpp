@@ -14,6 +14,8 @@
 
 namespace smaservo {
 
+/// A wire of `segments` parts, each with the kinetics K. All functions are static; what changes is
+/// in State.
 template <Kinetics K, std::size_t segments>
 struct DistributedPlant {
   using S = typename K::Scalar;
@@ -21,6 +23,7 @@ struct DistributedPlant {
   template <class T>
   using PerSegment = std::array<T, segments>;
 
+  /// Constants of a wire; lengths and masses above 0.
   struct Params {
     PerSegment<typename K::Params> kinetics;  ///< may scatter along the wire
     Material<S> material;
@@ -41,6 +44,7 @@ struct DistributedPlant {
     S stress_Pa;  ///< the same in all segments
   };
 
+  /// What changes; trivially copyable.
   struct State {
     PerSegment<typename K::State> kinetics;
     /// Heat error of each segment's last linearisation, carried into the next step.
@@ -55,6 +59,8 @@ struct DistributedPlant {
     S ambient_K;  ///< temperature of the air and of the clamps
   };
 
+  /// A wire that was cooled to this temperature at this stress from far above. Cost: one rest() of
+  /// the kinetics for each segment.
   static State rest(const Params& p, const Drive<S>& u) {
     State s{};
     for (std::size_t i = 0; i < segments; ++i) {
@@ -73,6 +79,7 @@ struct DistributedPlant {
     s.profile = profile_of(s.kinetics);
   }
 
+  /// Elongation of the whole wire, over its length.
   static S strain(const Params& p, const State& s) {
     const PerSegment<S> each = strains(p, s.profile);
     S sum = S(0);
@@ -82,6 +89,7 @@ struct DistributedPlant {
     return sum / p.geometry.length_m;
   }
 
+  /// Resistance of the whole wire.
   static S resistance_ohm(const Params& p, const State& s) {
     S sum = S(0);
     for (const S& each_ohm : resistances_ohm(p, s.profile)) {
@@ -90,6 +98,7 @@ struct DistributedPlant {
     return sum;
   }
 
+  /// Temperature of a segment, less than `segments`.
   static S temperature_K(const State& s, std::size_t segment) {
     return s.profile.temperature_K[segment];
   }

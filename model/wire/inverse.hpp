@@ -17,6 +17,7 @@ struct BranchPoint {
   Phases<S> phases;  ///< fractions in the wire's middle
 };
 
+/// The inverse of Plant<ThreePhase<S, depth>>.
 template <class S, std::size_t depth = 8>
 struct Inverse {
   using K = ThreePhase<S, depth>;

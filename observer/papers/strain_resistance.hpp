@@ -32,6 +32,7 @@ struct StressPolynomial {
   static constexpr int order = 4;
   S coefficient[order + 1];
 
+  /// Its value at the share σ/σ_max of the greatest stress.
   constexpr S at(const S& share) const {
     S sum = coefficient[order];
     for (int i = order - 1; i >= 0; --i) {
@@ -47,6 +48,7 @@ struct StressLine {
   StressPolynomial<S> slope, offset;
 };
 
+/// The estimator of 002: one of StrainObserver, without temperature or phases, which are NaN.
 template <class S>
 struct StrainResistance {
   using Scalar = S;
@@ -63,6 +65,7 @@ struct StrainResistance {
     S strain_sd;                     ///< rms error in the runs of the identification
   };
 
+  /// What changes; trivially copyable.
   struct State {
     S stress_Pa;
     S smoothed;   ///< λ after the low-pass
@@ -75,6 +78,7 @@ struct StrainResistance {
   /// stroke.
   static constexpr double smoothing_s = 5e-3;
 
+  /// The strains of both lines at the measured resistance, which is λ = 1 where it is not valid.
   static State start(const Params& p, const Measurement<S>& m, const S& /*ambient_K*/) {
     State s{m.stress_Pa, S(1), S(1), S(0), S(0), Heading::cooling};
     if (m.resistance_valid) {

@@ -31,7 +31,7 @@ def tokens_of(text):
 
 def listed_headers():
     lines = (HERE / 'headers.txt').read_text().splitlines()
-    return [line.split()[2] for line in lines if line and not line.startswith('#')]
+    return [line.split()[1] for line in lines if line and not line.startswith('#')]
 
 
 def end_of_group(tokens, at):

@@ -9,7 +9,7 @@
 cmake_minimum_required(VERSION 3.25)
 set(include_of_ours "#include \"((model|observer|hal|firmware)/[^\"]+)\"")
 file(STRINGS "${SMASERVO_HEADERS}" wanted REGEX "^[a-z]")
-list(TRANSFORM wanted REPLACE "^[a-z]+ +[a-z]+ +([^ ]+) .*" "\\1")
+list(TRANSFORM wanted REPLACE "^[a-z]+ +([^ ]+) .*" "\\1")
 set(found "")
 while(wanted)
   list(POP_FRONT wanted header)

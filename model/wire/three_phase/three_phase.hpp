@@ -42,11 +42,13 @@ struct ThreePhase {
     Reverse left;
     S martensite, r_phase;
   };
+  /// Likewise; `returning` is what State::returning was.
   struct ColdTurn {
     Forward left;
     S austenite, r_phase, returning;
   };
 
+  /// Fractions and history; trivially copyable.
   struct State {
     Drive<S> drive;
     Drive<S> reached;  ///< farthest point of the current heading; the fractions belong to it
@@ -78,6 +80,7 @@ struct ThreePhase {
     Forward forward_1_K;
   };
 
+  /// A wire that was cooled to this temperature at this stress from far above.
   static State rest(const Params& p, const Drive<S>& u) {
     State s;
     start(p, s, u, {S(0), S(0)});
@@ -116,6 +119,7 @@ struct ThreePhase {
   static void advance(const Params& p, State& s, const Drive<S>& u) {
     move<false>(p, AtStress{p, u.stress_Pa}, s, u);
   }
+  /// advance(), and the derivatives of that step.
   static Tangent advance_linearised(const Params& p, State& s, const Drive<S>& u) {
     return move<true>(p, AtStress{p, u.stress_Pa}, s, u);
   }
@@ -158,6 +162,7 @@ struct ThreePhase {
     }
   }
 
+  /// The curves at one stress, for many steps there.
   static Cut cut(const Params& p, const S& stress_Pa) { return Curves::cut(p, stress_Pa); }
   /// Like advance() above with a cut computed before; a quarter cheaper.
   static void advance(const Params& p, const Cut& cut, State& s, const S& temperature_K) {
@@ -194,7 +199,9 @@ struct ThreePhase {
                : rates(s, Curves::forward_slopes(p, at, s.forward, slopes_1_K));
   }
 
+  /// Where the last step went.
   static Drive<S> drive(const State& s) { return s.drive; }
+  /// The fractions after it.
   static Phases<S> phases(const State& s) { return {s.martensite, s.r_phase}; }
 
   /// Zero if the next small step transforms nothing: it goes against the heading, or has not yet
