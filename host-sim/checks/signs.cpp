@@ -114,8 +114,9 @@ void check_signs(const Record& record, const RecordedWire& wire, Findings& found
                      ohm, turned(record, hal::Column::current, "current_A"))});
   }
   constexpr double surely = 0.3;
-  if (!record.strain.empty() &&
-      correlation(record.strain, heating_K(record, wire.geometry)) > surely) {
+  // Without a voltage, as where its column is not understood, nothing says when the wire is heated.
+  const Values heating = heating_K(record, wire.geometry);
+  if (record.strain.size() == heating.size() && correlation(record.strain, heating) > surely) {
     const Place& strain = record.places[static_cast<std::size_t>(hal::Column::strain_ref)];
     found.push_back(
         {"direction", true,

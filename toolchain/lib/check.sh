@@ -56,6 +56,9 @@ check_rules() {
   rule $'\t' 'a tab' '*.cpp' '*.hpp' '*.cmake' '*CMakeLists.txt' '*.toml' '*.md'
   rule '(^|[^[:alnum:]_./:])/(home|root|work|Users|mnt)/[[:alnum:]]' 'a path of one machine' \
     '*.cpp' '*.hpp' '*.cmake' '*CMakeLists.txt' '*.toml' '*.md' '*.sh' '*.json' '*.in' toolchain .ci
+  # Lines of a notebook are texts of JSON, and its pictures lines of base64, which may have any word between slashes.
+  rule '[[:blank:]](\\n)?",?$' 'blanks at the end of a line' '*.ipynb'
+  rule "[[:blank:](\"'=](/(home|root|work|Users|mnt|tmp)/|~/)[[:alnum:]]" 'a path of one machine' '*.ipynb'
   rule '\b(TODO|FIXME|XXX)\b' 'an open end' '*.cpp' '*.hpp'
   # What comes from outside may command a terminal; model/files/message.hpp escapes it.
   rule '(fmt::print|std::(fputs|puts|printf|fprintf|fwrite|perror|cerr|cout|clog))\b' \
@@ -64,7 +67,7 @@ check_rules() {
     ':!firmware/mcu' ':!host-sim/examples' ':!model/files/message.cpp' ':!model/files/output_file.cpp'
   rule '^ *# *define +[[:alnum:]_]+ +\(?[-+]?[0-9]' 'a number as a macro' '*.cpp' '*.hpp'
   rule '\btypedef\b' 'a typedef; using says the same' '*.cpp' '*.hpp'
-  if ! our_files '*.md' | xargs -0 -r "$root/toolchain/lib/links.py"; then
+  if ! our_files '*.md' '*.ipynb' | xargs -0 -r "$root/toolchain/lib/links.py"; then
     say '^ a link that leads nowhere: no such file of the project, or no such heading in it'
     broken=1
   fi

@@ -110,6 +110,12 @@ FIGURES = {
         'tests/library/examples.sh build/release/library-examples/examples/${program%.cpp} '
         f'{HOST_SIM} --write || exit; done',
         60, ['host-sim', 'smaservo_library', 'smaservo-table']),
+    'notebooks': Figure(
+        'written', 'what the notebooks print and draw',
+        [f'host-sim/python/notebooks/{name}.ipynb' for name in
+         ('1_estimate_my_recording', '2_calibrate', '3_design_a_controller')],
+        'PYTHONPATH=build/release/host-sim/python /usr/bin/python3 tests/python/notebooks.py', 45,
+        ['smaservo_python']),
     'reference': Figure(
         'written', 'parameters, faults and objects of the device',
         [f'firmware/reference/{name}' for name in
@@ -270,7 +276,8 @@ def show_list():
         notes = [how_long(figure.seconds), *(['nothing else may run'] if figure.alone else []),
                  *([] if figure.usual else ['only if named']), *(['copied by hand'] if figure.kind == 'copied' else [])]
         print(f'{name}: {figure.shows} ({", ".join(notes)})')
-        print(textwrap.fill(' '.join(figure.files), 76, initial_indent='  ', subsequent_indent='  '))
+        print(textwrap.fill(' '.join(figure.files), 76, initial_indent='  ', subsequent_indent='  ',
+                            break_on_hyphens=False))
         words = textwrap.wrap(figure.command, 72, break_long_words=False, break_on_hyphens=False)
         print('    ' + ' \\\n      '.join(words) + '\n')
 

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""links.py FILE.md ...: lines "file:line: link" of the links that lead nowhere, and status 1 if there are any.
+"""links.py FILE ...: lines "file:line: link" of the links that lead nowhere, and status 1 if there are any.
 
 Part of `toolchain/dev check`. It looks at links to files and folders of the project, `[text](path)` and
 `[text](path#heading)`, also of pictures. A path has to be a file that git knows or would add, or a folder of such
 files, in the same letters; so what is only in build/ does not count, nor what another clone has beside it. A heading
 is written as GitHub makes it: small letters, blanks as hyphens, no other signs. Blocks of code between ``` marks are
-left out.
+left out. Of a notebook (.ipynb) the cells of text are looked at, and the line is counted in these.
 """
 
 from functools import cache
+import json
 import os
 from pathlib import Path
 import re
@@ -30,7 +31,11 @@ def places():
 def lines_of(file):
     """The lines of a file with their numbers, without blocks of code."""
     found, fenced = [], False
-    for number, line in enumerate((ROOT / file).read_text().splitlines(), 1):
+    text = (ROOT / file).read_text()
+    if file.endswith('.ipynb'):
+        cells = [cell for cell in json.loads(text)['cells'] if cell['cell_type'] == 'markdown']
+        text = '\n'.join(''.join(cell['source']) for cell in cells)
+    for number, line in enumerate(text.splitlines(), 1):
         if line.lstrip().startswith('```'):
             fenced = not fenced
         elif not fenced:
@@ -60,7 +65,7 @@ def leads_somewhere(file, link):
     there = os.path.normpath(os.path.join(os.path.dirname(file), path)) if path else file
     if there not in places():
         return False
-    return not heading or there.endswith('.md') and heading in headings(there)
+    return not heading or there.endswith(('.md', '.ipynb')) and heading in headings(there)
 
 
 def dead_links(file):

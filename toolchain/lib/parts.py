@@ -56,8 +56,8 @@ def scripts(*names):
 MADE_BY = ['CMakeLists.txt', '*/CMakeLists.txt', 'CMakePresets.json', 'toolchain/cmake', 'toolchain/library',
            'toolchain/packages.txt']
 CORE = ['model', 'observer', 'hal', 'firmware']
-# The pages are a tree of npm's, which only what is shipped holds.
-PROGRAMS = [*CORE, 'host-sim', 'toolchain/package']
+# The pages are a tree of npm's, which only what is shipped holds. The notebooks are shipped by nothing.
+PROGRAMS = [*CORE, 'host-sim', ':!host-sim/python/notebooks', 'toolchain/package']
 NO_PAGES = [':!host-sim/page/front']
 # Of the tests, what is compiled, and what compiled tests read.
 TESTS = ['tests', ':!tests/*.js', ':!tests/*.py', ':!tests/*.sh',

@@ -23,7 +23,7 @@ def listed():
 
 
 def main_page(headers):
-    rows = ''.join(f'| {target} | \\ref {header} "smaservo/{header}" | {what} |\n' for target, header, what in headers)
+    rows = ''.join(f'| {target} | \\ref smaservo/{header} | {what} |\n' for target, header, what in headers)
     return f'''\\mainpage The library of smaservo
 
 The public headers. What else is installed is detail.
@@ -37,20 +37,23 @@ def doxygen(output, headers):
     output.mkdir(parents=True, exist_ok=True)
     page = output / 'main.md'
     page.write_text(main_page(headers))
-    inputs = ' '.join(f'"{ROOT / header}"' for _, header, _ in headers)
+    installed = output / 'smaservo'  # by the names that programs include
+    installed.unlink(missing_ok=True)
+    installed.symlink_to(ROOT)
+    inputs = ' '.join(f'"{installed / header}"' for _, header, _ in headers)
     settings = (HERE / 'Doxyfile').read_text() + (
-        f'INPUT = "{page}" {inputs}\nOUTPUT_DIRECTORY = "{output}"\nSTRIP_FROM_PATH = "{ROOT}"\n'
-        f'STRIP_FROM_INC_PATH = "{ROOT}"\n')
+        f'INPUT = "{page}" {inputs}\nOUTPUT_DIRECTORY = "{output}"\nSTRIP_FROM_PATH = "{output}"\n'
+        f'STRIP_FROM_INC_PATH = "{output}"\n')
     done = subprocess.run(['doxygen', '-'], input=settings, text=True, capture_output=True)
     if done.returncode:
         sys.exit(f'doxygen: {done.stderr}')
     return done.stderr
 
 
-def faults(warnings):
+def faults(warnings, output):
     found = []
     for line in warnings.splitlines():
-        line = line.replace(f'{ROOT}/', '')
+        line = line.replace(f'{output}/smaservo/', '')
         undocumented = line.endswith('is not documented.')
         if line.strip() and not (undocumented and BY_NAME.search(line)):
             found.append(line)
@@ -60,7 +63,7 @@ def faults(warnings):
 def main():
     headers = listed()
     output = Path(sys.argv[1]).resolve()
-    found = faults(doxygen(output, headers))
+    found = faults(doxygen(output, headers), output)
     if found:
         sys.exit('\n'.join(found))
 
