@@ -36,6 +36,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t longest_answer = 1000;  ///< bytes of a line
 constexpr std::size_t longest_quoted = 300;
+/// A greater strain at the start is one in percent. Later ones may be those of an observer that is
+/// lost.
+constexpr double farthest_start = 0.5;
 /// After each exchange, so that a program that writes each line by itself does not wake this thread
 /// for each. Pipes hold more than a program answers in this time.
 constexpr std::chrono::milliseconds rest{1};
@@ -320,6 +323,12 @@ class Conversation {
     ProgramAnswer answer{};
     if (!read_answer(line, answer)) {
       refuse(line);
+    }
+    if (answers_.empty() && std::abs(answer.strain) > farthest_start) {
+      fail(
+          fmt::format("its first strain is {}, beyond {:g} % of the length; a strain is a share of "
+                      "the length, as 0.031 where it is 3.1 %",
+                      answer.strain, 100 * farthest_start));
     }
     if (!answers_.empty() &&
         std::isnan(answers_.front().strain_sd) != std::isnan(answer.strain_sd)) {

@@ -137,6 +137,17 @@ TEST(ObserverProgram, MayCloseItsInput) {
   EXPECT_EQ(sigismember(&set, SIGPIPE), 0) << "as it was before";
 }
 
+TEST(ObserverProgram, AStrainInPercentIsRefused) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(
+      error_of("cat >/dev/null; echo 4.1; echo 4.0"),
+      "its first strain is 4.1, beyond 50 % of the length; a strain is a share of the length, "
+      "as 0.031 where it is 3.1 %");
+  // An observer may lose its way.
+  const auto lost = ask(shell(folder, "cat >/dev/null; echo -0.5; echo 4.0"), some_rows(2));
+  EXPECT_EQ(lost.back().strain, 4.0);
+}
+
 /// As SIGHUP is by nohup.
 TEST(ObserverProgram, GoesOnWhenASignalIsIgnored) {
   const TemporaryFolder folder;
@@ -209,7 +220,7 @@ TEST(ObserverProgram, GetsAllDigits) {
     }
     return value;
   };
-  Rows rows;
+  Rows rows{{0.1, 0.1, 0.1, 0.1, 0.1}};  // the first answer has to look like a strain
   for (int i = 0; i < 1000; ++i) {
     rows.push_back({any(), any(), any(), any(), any()});
   }
