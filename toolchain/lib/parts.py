@@ -57,7 +57,7 @@ MADE_BY = ['CMakeLists.txt', '*/CMakeLists.txt', 'CMakePresets.json', 'toolchain
            'toolchain/packages.txt']
 CORE = ['model', 'observer', 'hal', 'firmware']
 # The pages are a tree of npm's, which only what is shipped holds.
-PROGRAMS = [*CORE, 'host-sim', 'toolchain/package']
+PROGRAMS = [*CORE, 'host-sim', 'toolchain/package', 'LICENSE']
 NO_PAGES = [':!host-sim/page/front']
 # Of the tests, what is compiled, and what compiled tests read.
 TESTS = ['tests', ':!tests/*.js', ':!tests/*.py', ':!tests/*.sh',
