@@ -6,7 +6,6 @@
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
-#include <filesystem>
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,6 +13,7 @@
 
 #include "hal/recording/start_program.hpp"
 #include "model/files/error.hpp"
+#include "model/files/installed.hpp"
 
 namespace smaservo::hal {
 namespace {
@@ -94,18 +94,7 @@ bool ForeignTable::begins(std::string_view head) {
 }
 
 std::string ForeignTable::program() {
-  namespace fs = std::filesystem;
-  constexpr const char* installed = "lib/smaservo/smaservo-table";
-  std::error_code error;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  const fs::path beside = folder.parent_path() / installed;
-  for (const fs::path& place : {beside, folder.parent_path().parent_path() / installed,
-                                fs::path("/usr/local") / installed, fs::path("/usr") / installed}) {
-    if (fs::exists(place, error)) {
-      return place;
-    }
-  }
-  return beside;
+  return files::installed("smaservo-table");
 }
 
 ForeignTable::ForeignTable(int file, const std::string& program) : program_(program) {

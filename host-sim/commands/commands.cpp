@@ -9,6 +9,7 @@
 #include "host-sim/convert/convert_command.hpp"
 #include "host-sim/describe/describe_command.hpp"
 #include "host-sim/evaluate/evaluate_command.hpp"
+#include "host-sim/fmu/export_fmu_command.hpp"
 #include "host-sim/identify/identify_command.hpp"
 #include "host-sim/inspect/inspect_command.hpp"
 #include "host-sim/page/page_command.hpp"
@@ -52,6 +53,7 @@ int run_host_sim(int argc, char** argv) {
   describe::add_describe_command(app);
   evaluate::add_evaluate_command(app);
   describe::add_explain_command(app);
+  fmu::add_export_fmu_command(app);
   figures::add_figures_command(app);
   identify::add_identify_command(app);
   inspect::add_inspect_command(app);

@@ -151,6 +151,7 @@ check_programs() {
     man_page_has "$folder/usr/share/man/man1/host-sim.1.gz" "$folder/usr/bin/host-sim" &&
     man_page_has "$folder/usr/share/man/man8/smaservo-setup.8.gz" \
       bash "$folder/usr/sbin/smaservo-setup" &&
+    "$folder/usr/bin/host-sim" export-fmu --wire smartflex-76um --kind servo --out "$folder/servo.fmu" &&
     completes "$folder" smaservod --che --check &&
     completes "$folder" host-sim simu simulate &&
     completes "$folder" 'host-sim can' sca scan &&

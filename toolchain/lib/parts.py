@@ -57,11 +57,14 @@ MADE_BY = ['CMakeLists.txt', '*/CMakeLists.txt', 'CMakePresets.json', 'toolchain
            'toolchain/packages.txt']
 CORE = ['model', 'observer', 'hal', 'firmware']
 # The pages are a tree of npm's, which only what is shipped holds. The notebooks are shipped by nothing.
-PROGRAMS = [*CORE, 'host-sim', ':!host-sim/python/notebooks', 'toolchain/package']
+PROGRAMS = [*CORE, 'host-sim', ':!host-sim/python/notebooks', 'toolchain/package', 'LICENSE']
 NO_PAGES = [':!host-sim/page/front']
-# Of the tests, what is compiled, and what compiled tests read.
-TESTS = ['tests', ':!tests/*.js', ':!tests/*.py', ':!tests/*.sh',
-         ':!tests/*.md', ':!tests/*.json']
+# Of the tests, what is compiled, and what compiled tests read; those in Python run with the release alone, or with
+# sanitizers, too.
+TESTS_AND_PYTHON = ['tests', ':!tests/*.js', ':!tests/*.sh', ':!tests/*.md', ':!tests/*.json']
+TESTS = [*TESTS_AND_PYTHON, ':!tests/*.py']
+OF_RELEASE = [f':!tests/{name}' for name in (
+    'library/*.py', 'bench/*.py', 'python/notebooks*.py', 'python/types_test.py', 'python/wheel_test.py')]
 CAN_PROGRAMS = ['host-sim', 'smaservod', 'can_socket_tests']
 GUESTS = ['tests/board', 'tests/can/device.toml', 'host-sim/scenarios', 'toolchain/board', 'toolchain/can/uml']
 
@@ -106,7 +109,7 @@ PARTS = {
     'sanitize': Part(
         'clang++ with address and undefined-behaviour sanitizers: what reads foreign bytes or has threads',
         [build('sanitize'), ctest('sanitize-live', live=True, beside=ctest('sanitize-still'))],
-        [*MADE_BY, *PROGRAMS, *TESTS, *NO_PAGES],
+        [*MADE_BY, *PROGRAMS, *TESTS_AND_PYTHON, *OF_RELEASE, *NO_PAGES],
         {'sanitize': ['all']}),
     'tidy': Part(
         'clang-tidy over every source',

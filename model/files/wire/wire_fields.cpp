@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "model/wire/plant.hpp"
+#include "model/wire/wire_check.hpp"
 
 namespace smaservo::files {
 namespace {
@@ -206,31 +207,36 @@ class Builder {
   const WireFailure& fail_;
 };
 
-void check_surface(const Surface<double>& s, const std::string& path, bool heating,
-                   double highest_stress_Pa, const WireFailure& fail) {
+/// Says which rule does not hold.
+void fail_rule(const WireProblem& problem, const WireFailure& fail) {
+  using enum WireProblem::Rule;
   constexpr const SurfaceRange& range = surface_range;
-  for (int i = 0; i < range.stresses; ++i) {
-    const double stress_Pa = highest_stress_Pa * i / (range.stresses - 1);
-    const Isobar<double> at = isobar(s, stress_Pa);
-    const double span_K = (heating ? 1 : -1) / at.per_K;
-    const std::string where = fmt::format(" at {:.4g} MPa", stress_Pa / 1e6);
-    const auto check = [&](const char* key, double x, double min, double max) {
-      if (!(min <= x && x <= max)) {
-        fail(path + key, fmt::format("must be between {} and {}, is {:.4g}{}", min, max, x, where));
-      }
-    };
-    for (const double T : {at.start_K, at.start_K + 1 / at.per_K}) {
-      if (!(range.min_K <= T && T <= range.max_K)) {
-        fail(path, fmt::format("start and finish must be between {} and {} K, one is {:.4g} K{}",
-                               range.min_K, range.max_K, T, where));
-      }
-    }
-    if (!(span_K >= range.min_span_K)) {
-      fail(path, fmt::format("finish must be at least {} K {} start, is {:.4g} K{}",
-                             range.min_span_K, heating ? "above" : "below", span_K, where));
-    }
-    check(".curvature", at.shape.curvature, range.min_curvature, range.max_curvature);
-    check(".turning", at.shape.turning, range.min_turning, range.max_turning);
+  const std::string process(problem.process);
+  const std::string where = fmt::format(" at {:.4g} MPa", problem.stress_Pa / 1e6);
+  const auto between = [&](const char* key, double min, double max) {
+    fail(process + key,
+         fmt::format("must be between {} and {}, is {:.4g}{}", min, max, problem.value, where));
+  };
+  switch (problem.rule) {
+    case range_K:
+      fail(process, fmt::format("start and finish must be between {} and {} K, one is {:.4g} K{}",
+                                range.min_K, range.max_K, problem.value, where));
+      break;
+    case span_K:
+      fail(process,
+           fmt::format("finish must be at least {} K {} start, is {:.4g} K{}", range.min_span_K,
+                       problem.heating ? "above" : "below", problem.value, where));
+      break;
+    case curvature:
+      between(".curvature", range.min_curvature, range.max_curvature);
+      break;
+    case turning:
+      between(".turning", range.min_turning, range.max_turning);
+      break;
+    case latent_heat:
+      fail("wire.heat.latent_r2a",
+           "must not be above wire.heat.latent_m2a: a closed cycle would gain heat");
+      break;
   }
 }
 
@@ -292,22 +298,8 @@ Wire<double> build_wire(const Entries& entries, const WireFailure& fail) {
   return Builder(entries, fail).build();
 }
 
-void check_wire(const Wire<double>& w, const WireFailure& fail) {
-  const auto& k = w.kinetics;
-  const double stress_Pa = w.limits.stress_Pa;
-  check_surface(k.m2a, "wire.m2a", true, stress_Pa, fail);
-  check_surface(first_surface(k.a2m_a2r), "wire.a2m", false, stress_Pa, fail);
-  check_surface(second_surface(k.a2m_a2r), "wire.a2r", false, stress_Pa, fail);
-  if (k.separate_r2a) {
-    check_surface(k.r2a, "wire.r2a", true, stress_Pa, fail);
-  }
-  if (k.separate_r2m) {
-    check_surface(k.r2m, "wire.r2m", false, stress_Pa, fail);
-  }
-  if (w.heat.latent_r2a_J_kg > w.heat.latent_m2a_J_kg) {
-    fail("wire.heat.latent_r2a",
-         "must not be above wire.heat.latent_m2a: a closed cycle would gain heat");
-  }
+void check_wire(const Wire<double>& wire, const WireFailure& fail) {
+  check_wire_rules(wire, [&](const WireProblem& problem) { fail_rule(problem, fail); });
 }
 
 std::string where_said(const Entries& entries, const std::string& origin, std::string_view path) {

@@ -1,0 +1,83 @@
+# Run by the build: copies the sources of the FMU libraries and all that they include, Eigen's headers among them, to
+# OUT/sources, and lists those of each kind in OUT/sources/wire.txt and servo.txt.
+#
+# SMASERVO_SOURCE: the project's folder; EIGEN: the folder that has Eigen/Core; WIRE, SERVO: lists of the sources
+# to compile.
+
+cmake_minimum_required(VERSION 3.25)
+cmake_policy(SET CMP0057 NEW)
+
+# Eigen chooses by the processor. What is left out is for graphics processors and processors that FMI has no name for.
+set(left_out "/arch/(AltiVec|CUDA|GPU|HIP|MSA|SYCL|ZVector)/")
+
+# The file that this line of `from` includes, and where it will be below sources; empty where it is the compiler's.
+function(find_included from include result)
+  cmake_path(GET from PARENT_PATH beside)
+  set(${result} "" PARENT_SCOPE)
+  foreach(folder "${SMASERVO_SOURCE}" "${EIGEN}" "${beside}")
+    cmake_path(APPEND folder "${include}" OUTPUT_VARIABLE path)
+    cmake_path(NORMAL_PATH path)
+    if(EXISTS "${path}" AND NOT IS_DIRECTORY "${path}" AND NOT path MATCHES "${left_out}")
+      set(${result} "${path}" PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+endfunction()
+
+set(every "")
+foreach(kind wire servo)
+  string(TOUPPER "${kind}" list)
+  set(wanted ${${list}})
+  set(found "")
+  set(has_eigen FALSE)
+  while(wanted)
+    list(POP_FRONT wanted file)
+    if(file IN_LIST found)
+      continue()
+    endif()
+    list(APPEND found "${file}")
+    file(STRINGS "${file}" includes REGEX "^ *# *include *[\"<]")
+    foreach(line IN LISTS includes)
+      string(REGEX REPLACE "^ *# *include *[\"<]([^\">]+)[\">].*" "\\1" include "${line}")
+      find_included("${file}" "${include}" path)
+      if(path)
+        list(APPEND wanted "${path}")
+      elseif(line MATCHES "\"(model|observer|hal|firmware|host-sim)/")
+        message(FATAL_ERROR "${file}: includes ${include}, which is no file of the project")
+      endif()
+    endforeach()
+  endwhile()
+  set(names "")
+  foreach(file IN LISTS found)
+    cmake_path(IS_PREFIX EIGEN "${file}" eigens)
+    set(base "${SMASERVO_SOURCE}")
+    if(eigens)
+      set(base "${EIGEN}")
+      set(has_eigen TRUE)
+    endif()
+    cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${base}" OUTPUT_VARIABLE name)
+    list(APPEND names "${name}")
+    cmake_path(GET name PARENT_PATH below)
+    file(MAKE_DIRECTORY "${OUT}/sources/${below}")
+    file(COPY_FILE "${file}" "${OUT}/sources/${name}" ONLY_IF_DIFFERENT)
+  endforeach()
+  list(APPEND every ${names})
+  list(SORT names)
+  list(JOIN names "\n" text)
+  file(WRITE "${OUT}/sources/${kind}.txt" "${text}\n")
+  file(READ "${SMASERVO_SOURCE}/LICENSE" license)
+  if(has_eigen)
+    string(APPEND license "\nThe headers below sources/Eigen are those of Eigen, unchanged "
+      "(https://eigen.tuxfamily.org). They are under the\nMozilla Public License 2.0 "
+      "(https://www.mozilla.org/MPL/2.0/); some have another licence, as the head of each says.\n")
+  endif()
+  file(WRITE "${OUT}/${kind}-license.txt" "${license}")
+endforeach()
+
+# What an earlier build has left.
+file(GLOB_RECURSE copies RELATIVE "${OUT}/sources" "${OUT}/sources/*")
+foreach(copy IN LISTS copies)
+  if(NOT copy IN_LIST every AND NOT copy MATCHES "^(wire|servo)[.]txt$")
+    file(REMOVE "${OUT}/sources/${copy}")
+  endif()
+endforeach()
