@@ -325,7 +325,7 @@ class Slave {
           it, reinterpret_cast<const char*>(bytes.data()),  // NOLINT(*-reinterpret-cast)
           bytes.size(), &state));
     }
-    return said(library.function<decltype(fmi3DeSerializeFMUState)>("fmi3DeSerializeFMUState")(
+    return said(library.function<decltype(fmi3DeserializeFMUState)>("fmi3DeserializeFMUState")(
         it, bytes.data(), bytes.size(), &state));
   }
 

@@ -931,8 +931,7 @@ TEST_P(Fmu, AnInstanceThatIsNoneIsAnError) {
       EXPECT_EQ(function(slave.it, arguments...), fmi3Error) << name;
       EXPECT_THAT(slave.log.messages.back(), HasSubstr("not offered")) << name;
     };
-    refused("EnterEventMode", library.function<decltype(fmi3EnterEventMode)>("fmi3EnterEventMode"),
-            false, false, nullptr, std::size_t{0}, false);
+    refused("EnterEventMode", library.function<decltype(fmi3EnterEventMode)>("fmi3EnterEventMode"));
     refused("SetTime", library.function<decltype(fmi3SetTime)>("fmi3SetTime"), 0.0);
     refused("EnterStepMode", library.function<decltype(fmi3EnterStepMode)>("fmi3EnterStepMode"));
     const unsigned reference = 1;

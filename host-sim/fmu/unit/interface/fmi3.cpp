@@ -139,9 +139,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance i, fmi3Boolean /*has_toleran
 fmi3Status fmi3ExitInitializationMode(fmi3Instance i) {
   return guarded3(i, [](Slave3& slave) { return slave.instance->exit_initialization(); });
 }
-fmi3Status fmi3EnterEventMode(fmi3Instance i, fmi3Boolean /*step_event*/,
-                              fmi3Boolean /*state_event*/, const fmi3Int32 /*roots*/[],
-                              size_t /*indicator_count*/, fmi3Boolean /*time_event*/) {
+fmi3Status fmi3EnterEventMode(fmi3Instance i) {
   return not_offered3(i, "event mode");
 }
 fmi3Status fmi3Terminate(fmi3Instance i) {
@@ -293,7 +291,7 @@ fmi3Status fmi3SerializeFMUState(fmi3Instance i, fmi3FMUState state, fmi3Byte by
                                  size_t size) {
   return guarded3(i, [&](Slave3&) { return write_state(state, bytes, size); });
 }
-fmi3Status fmi3DeSerializeFMUState(fmi3Instance i, const fmi3Byte bytes[], size_t size,
+fmi3Status fmi3DeserializeFMUState(fmi3Instance i, const fmi3Byte bytes[], size_t size,
                                    fmi3FMUState* state) {
   return guarded3(i,
                   [&](Slave3& slave) { return read_state(*slave.instance, bytes, size, state); });
@@ -346,6 +344,15 @@ fmi3Status fmi3SetIntervalDecimal(fmi3Instance i, const fmi3ValueReference /*ref
 fmi3Status fmi3SetIntervalFraction(fmi3Instance i, const fmi3ValueReference /*references*/[],
                                    size_t /*reference_count*/, const fmi3UInt64 /*counters*/[],
                                    const fmi3UInt64 /*resolutions*/[]) {
+  return not_offered3(i, "a clock");
+}
+fmi3Status fmi3SetShiftDecimal(fmi3Instance i, const fmi3ValueReference /*references*/[],
+                               size_t /*reference_count*/, const fmi3Float64 /*shifts*/[]) {
+  return not_offered3(i, "a clock");
+}
+fmi3Status fmi3SetShiftFraction(fmi3Instance i, const fmi3ValueReference /*references*/[],
+                                size_t /*reference_count*/, const fmi3UInt64 /*counters*/[],
+                                const fmi3UInt64 /*resolutions*/[]) {
   return not_offered3(i, "a clock");
 }
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance i) {

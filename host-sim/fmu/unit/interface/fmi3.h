@@ -90,9 +90,7 @@ SMASERVO_FMI3_EXPORT fmi3Status
 fmi3EnterInitializationMode(fmi3Instance i, fmi3Boolean has_tolerance, fmi3Float64 tolerance,
                             fmi3Float64 start_s, fmi3Boolean has_stop, fmi3Float64 stop_s);
 SMASERVO_FMI3_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance i);
-SMASERVO_FMI3_EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance i, fmi3Boolean step_event,
-                                                   fmi3Boolean state_event, const fmi3Int32 roots[],
-                                                   size_t indicator_count, fmi3Boolean time_event);
+SMASERVO_FMI3_EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance i);
 SMASERVO_FMI3_EXPORT fmi3Status fmi3Terminate(fmi3Instance i);
 SMASERVO_FMI3_EXPORT fmi3Status fmi3Reset(fmi3Instance i);
 SMASERVO_FMI3_EXPORT fmi3Status fmi3GetFloat32(fmi3Instance i,
@@ -197,7 +195,7 @@ SMASERVO_FMI3_EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance i, fmi3F
                                                            size_t* size);
 SMASERVO_FMI3_EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance i, fmi3FMUState state,
                                                       fmi3Byte bytes[], size_t size);
-SMASERVO_FMI3_EXPORT fmi3Status fmi3DeSerializeFMUState(fmi3Instance i, const fmi3Byte bytes[],
+SMASERVO_FMI3_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance i, const fmi3Byte bytes[],
                                                         size_t size, fmi3FMUState* state);
 SMASERVO_FMI3_EXPORT fmi3Status fmi3GetDirectionalDerivative(
     fmi3Instance i, const fmi3ValueReference unknowns[], size_t unknown_count,
@@ -233,6 +231,15 @@ SMASERVO_FMI3_EXPORT fmi3Status fmi3SetIntervalFraction(fmi3Instance i,
                                                         size_t reference_count,
                                                         const fmi3UInt64 counters[],
                                                         const fmi3UInt64 resolutions[]);
+SMASERVO_FMI3_EXPORT fmi3Status fmi3SetShiftDecimal(fmi3Instance i,
+                                                    const fmi3ValueReference references[],
+                                                    size_t reference_count,
+                                                    const fmi3Float64 shifts[]);
+SMASERVO_FMI3_EXPORT fmi3Status fmi3SetShiftFraction(fmi3Instance i,
+                                                     const fmi3ValueReference references[],
+                                                     size_t reference_count,
+                                                     const fmi3UInt64 counters[],
+                                                     const fmi3UInt64 resolutions[]);
 SMASERVO_FMI3_EXPORT fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance i);
 SMASERVO_FMI3_EXPORT fmi3Status fmi3UpdateDiscreteStates(
     fmi3Instance i, fmi3Boolean* need_update, fmi3Boolean* terminate, fmi3Boolean* nominals_changed,
