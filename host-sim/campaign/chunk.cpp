@@ -33,7 +33,7 @@ std::string other_head(std::string_view text, std::string_view head) {
   const auto at = static_cast<std::size_t>(differs.in2 - head.begin());
   const std::size_t before = at == 0 ? std::string_view::npos : head.rfind('\n', at - 1);
   const std::size_t begin = before == std::string_view::npos ? 0 : before + 1;
-  return fmt::format("is not of this plan: it has \"{}\" where \"{}\" is wanted",
+  return fmt::format(R"(is not of this plan: it has "{}" where "{}" is wanted)",
                      line_at(text, begin), line_at(head, begin));
 }
 
