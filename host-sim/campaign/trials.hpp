@@ -11,8 +11,9 @@
 namespace smaservo::campaign {
 
 struct Column {
-  std::string name;  ///< with its unit: "above_limit_K"
-  bool drawn;        ///< known before the trial runs; false: its result
+  std::string name;   ///< with its unit: "above_limit_K"
+  bool drawn;         ///< known before the trial runs; false: its result
+  bool text = false;  ///< names of classes; false: numbers
 };
 
 /// A cell of a row. NaN is an empty cell: there is no such number in this trial.

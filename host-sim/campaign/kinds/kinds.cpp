@@ -5,7 +5,7 @@
 namespace smaservo::campaign {
 
 std::span<const Kind> all_kinds() {
-  static constexpr std::array kinds{Kind{"scenarios", read_scenarios}};
+  static constexpr std::array kinds{Kind{"scenarios", read_scenarios}, Kind{"gains", read_gains}};
   return kinds;
 }
 

@@ -27,12 +27,19 @@ class Scenarios final : public Trials {
         units_(evaluate::calibrated_units(from_.units, from_.unit_seed, from_.wires)) {}
 
   const std::vector<Column>& columns() const override {
-    static const std::vector<Column> all{
-        {"seed", true},         {"mode", true},           {"air", true},
-        {"trouble", true},      {"second_trouble", true}, {"beyond", true},
-        {"duration_s", true},   {"above_limit_K", false}, {"at_s", false},
-        {"first_cause", false}, {"tripped_s", false},     {"over_s", false},
-        {"unanswered", false}};
+    static const std::vector<Column> all{{"seed", true},
+                                         {"mode", true, true},
+                                         {"air", true, true},
+                                         {"trouble", true, true},
+                                         {"second_trouble", true, true},
+                                         {"beyond", true, true},
+                                         {"duration_s", true},
+                                         {"above_limit_K", false},
+                                         {"at_s", false},
+                                         {"first_cause", false, true},
+                                         {"tripped_s", false},
+                                         {"over_s", false},
+                                         {"unanswered", false, true}};
     return all;
   }
   std::string_view main_column() const override { return "above_limit_K"; }

@@ -30,7 +30,7 @@ class SmallTrials final : public Trials {
   explicit SmallTrials(std::uint64_t seed) : seed_(seed) {}
   const std::vector<Column>& columns() const override {
     static const std::vector<Column> all{
-        {"seed", true}, {"class", true}, {"value_m", false}, {"maybe_s", false}};
+        {"seed", true}, {"class", true, true}, {"value_m", false}, {"maybe_s", false}};
     return all;
   }
   std::string_view main_column() const override { return "value_m"; }
