@@ -9,6 +9,7 @@
 
 #include "host-sim/campaign/kinds/kinds.hpp"
 #include "host-sim/campaign/merge.hpp"
+#include "host-sim/campaign/report.hpp"
 #include "host-sim/campaign/run.hpp"
 #include "host-sim/evaluate/observer_program.hpp"
 #include "model/files/error.hpp"
@@ -21,7 +22,7 @@ namespace {
 constexpr int most_threads = 1024;
 
 struct CampaignArguments {
-  std::string plan, out, shard;
+  std::string plan, out, shard, report;
   std::optional<std::uint64_t> trial;
   int threads = 1;
   bool merge = false;
@@ -36,6 +37,16 @@ void run_trial(const Campaign& campaign, std::uint64_t index) {
   const Row row = campaign.trials->run(index);
   files::print(csv_head(campaign.trials->columns()) + csv_line(index, row));
   files::complain("host-sim", "the same alone: " + campaign.trials->command(index));
+}
+
+/// Joins the chunks, prints what their rows show, and writes it as a report.
+void finish(const Campaign& campaign, const Folder& folder, const CampaignArguments& a) {
+  merge(campaign, folder);
+  const Report report = make_report(campaign, folder);
+  if (!a.report.empty()) {
+    write_report(a.report, campaign, report);
+  }
+  files::print(files::printable_lines(report_text(campaign, report)));
 }
 
 /// Computes the shard. A signal ends it between two trials.
@@ -65,8 +76,8 @@ void run_all(const Campaign& campaign, const CampaignArguments& a) {
     files::complain("host-sim",
                     fmt::format("interrupted after {}. The same command goes on", counts));
   } else if (a.shard.empty()) {
-    merge(campaign, folder);
-    files::print(fmt::format("{}; {} trials in {}\n", counts, campaign.plan.trials,
+    finish(campaign, folder, a);
+    files::print(fmt::format("\n{}; {} trials in {}\n", counts, campaign.plan.trials,
                              files::printable(folder.trials_path())));
   } else {
     files::print(fmt::format("shard {}: {}; --merge joins all shards\n", a.shard, counts));
@@ -74,6 +85,7 @@ void run_all(const Campaign& campaign, const CampaignArguments& a) {
 }
 
 void run(const CampaignArguments& a) {
+  refuse_to_overwrite(a.plan, a.report);
   // An option that is wrong is told before the plan, whose files may take a while.
   if (!a.shard.empty()) {
     shard_of(a.shard);
@@ -86,8 +98,8 @@ void run(const CampaignArguments& a) {
     run_trial(campaign, *a.trial);
   } else if (a.merge) {
     const Folder folder = Folder::existing(campaign, a.out);
-    merge(campaign, folder);
-    files::print(fmt::format("{} trials in {}\n", campaign.plan.trials,
+    finish(campaign, folder, a);
+    files::print(fmt::format("\n{} trials in {}\n", campaign.plan.trials,
                              files::printable(folder.trials_path())));
   } else {
     run_all(campaign, a);
@@ -113,10 +125,12 @@ void add_campaign_command(CLI::App& app) {
   CLI::Option* const merge = command->add_flag(
       "--merge", a->merge, "computes nothing: joins the chunks that shards have computed");
   merge->excludes(shard);
+  command->add_option("--report", a->report, "what the rows show, as one HTML file")
+      ->excludes(shard);
   command
       ->add_option("--trial", a->trial,
                    "runs one trial by its number, and prints its row; no --out")
-      ->excludes("--out", "--shard", "--merge");
+      ->excludes("--out", "--shard", "--merge", "--report");
   command->callback([a] { run(*a); });
 }
 

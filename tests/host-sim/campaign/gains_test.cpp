@@ -51,7 +51,7 @@ class CampaignGains : public ::testing::Test {
 
 TEST_F(CampaignGains, TrialZeroIsTheScenarioOnThePresetWire) {
   const Campaign campaign = read("families = ['ihyp']\n");
-  bench::ClosedLoopScenario scenario = bench::load_closed_loop(folder_ / "loop.toml");
+  const bench::ClosedLoopScenario scenario = bench::load_closed_loop(folder_ / "loop.toml");
   const simulate::LoopRunResult run = simulate::run_closed_loop(scenario, {});
   EXPECT_EQ(cell<double>(campaign, 0, "above_limit_K"),
             run.max_hottest_K - scenario.settings.limits.temperature_K);
