@@ -14,6 +14,7 @@
 #include "host-sim/evaluate/observer_program.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
+#include "model/files/output_file.hpp"
 #include "model/files/progress.hpp"
 
 namespace smaservo::campaign {
@@ -23,15 +24,16 @@ constexpr int most_threads = 1024;
 
 struct CampaignArguments {
   std::string plan, out, shard, report;
-  std::optional<std::uint64_t> trial;
+  std::optional<std::int64_t> trial;
   int threads = 1;
   bool merge = false;
 };
 
 /// Prints one trial, with the command that shows more of it.
-void run_trial(const Campaign& campaign, std::uint64_t index) {
-  if (index >= campaign.plan.trials) {
-    throw files::UserError(fmt::format("--trial {}: the plan has the trials 0 to {}", index,
+void run_trial(const Campaign& campaign, std::int64_t trial) {
+  const auto index = static_cast<std::uint64_t>(trial);
+  if (trial < 0 || index >= campaign.plan.trials) {
+    throw files::UserError(fmt::format("--trial {}: the plan has the trials 0 to {}", trial,
                                        campaign.plan.trials - 1));
   }
   const Row row = campaign.trials->run(index);
@@ -43,10 +45,10 @@ void run_trial(const Campaign& campaign, std::uint64_t index) {
 void finish(const Campaign& campaign, const Folder& folder, const CampaignArguments& a) {
   merge(campaign, folder);
   const Report report = make_report(campaign, folder);
+  files::print(files::printable_lines(report_text(campaign, report)));
   if (!a.report.empty()) {
     write_report(a.report, campaign, report);
   }
-  files::print(files::printable_lines(report_text(campaign, report)));
 }
 
 /// Computes the shard. A signal ends it between two trials.
@@ -94,6 +96,10 @@ void run(const CampaignArguments& a) {
     throw files::UserError("--out is missing: the folder of the results");
   }
   const Campaign campaign = read_plan(a.plan, all_kinds());
+  if (!a.report.empty()) {
+    // That it cannot be written is told now, not after hours.
+    const files::OutputFile writable(a.report);
+  }
   if (a.trial) {
     run_trial(campaign, *a.trial);
   } else if (a.merge) {

@@ -47,6 +47,14 @@ void check_identity(const Campaign& campaign, const std::string& path) {
   }
 }
 
+hal::Descriptor lock_file(const std::string& path) {
+  hal::Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+  if (file.number() < 0) {
+    throw files::UserError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+  }
+  return file;
+}
+
 bool has_identity(const std::string& path) {
   std::error_code ignored;
   return fs::exists(fs::path(path) / identity_name, ignored);
@@ -98,8 +106,15 @@ Folder Folder::prepared(const Campaign& campaign, const std::string& path) {
   Folder folder(path);
   files::prepare_folder("--out", (fs::path(path) / chunks_name).string());
   if (!has_identity(path)) {
-    write_file(fs::path(path) / plan_name, campaign.plan.text);
-    write_file(fs::path(path) / identity_name, identity_text(campaign.plan));
+    // Of two plans that begin at the same time, the second one finds the first one's identity.
+    const hal::Descriptor held = lock_file((fs::path(path) / "lock-begin").string());
+    flock(held.number(), LOCK_EX);
+    if (has_identity(path)) {
+      check_identity(campaign, path);
+    } else {
+      write_file(fs::path(path) / plan_name, campaign.plan.text);
+      write_file(fs::path(path) / identity_name, identity_text(campaign.plan));
+    }
   }
   return folder;
 }
@@ -131,10 +146,7 @@ std::vector<std::string> Folder::strangers(const Campaign& campaign) const {
 hal::Descriptor Folder::lock(const Shard& shard) const {
   const std::string path =
       (fs::path(path_) / fmt::format("lock-{}-of-{}", shard.index, shard.count)).string();
-  hal::Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
-  if (file.number() < 0) {
-    throw files::UserError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
-  }
+  hal::Descriptor file = lock_file(path);
   if (flock(file.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     throw files::UserError(
         fmt::format("{}: is in use: another process computes shard {}/{} of it; wait for it, or "

@@ -1,8 +1,6 @@
 #include "host-sim/campaign/merge.hpp"
 
-#include <algorithm>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
@@ -10,22 +8,11 @@
 namespace smaservo::campaign {
 namespace {
 
-constexpr std::size_t most_named = 8;
-
 /// "0 to 3": chunks, and "of trials 0 to 399".
 std::string range_text(const Plan& plan, std::uint64_t first, std::uint64_t last) {
   const std::string chunks =
       first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
   return fmt::format("{} (trials {} to {})", chunks, plan.first(first), plan.first(last + 1) - 1);
-}
-
-/// The first of many texts, and how many there are besides.
-std::string some_of(const std::vector<std::string>& all, std::string_view separator) {
-  const std::vector<std::string> named(
-      all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(most_named, all.size())));
-  return fmt::format(
-      "{}{}", fmt::join(named, separator),
-      all.size() > most_named ? fmt::format(" and {} more", all.size() - most_named) : "");
 }
 
 /// What stands in the way of the merge.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sstream>
 
 #include "host-sim/campaign/hash.hpp"
@@ -130,6 +131,14 @@ Campaign read_plan(const std::string& path, std::span<const Kind> kinds,
   return {std::move(plan), std::move(trials)};
 }
 
+std::string some_of(const std::vector<std::string>& all, std::string_view separator) {
+  constexpr std::size_t most_named = 8;
+  const std::span named(all.data(), std::min(most_named, all.size()));
+  return fmt::format(
+      "{}{}", fmt::join(named, separator),
+      all.size() > most_named ? fmt::format(" and {} more", all.size() - most_named) : "");
+}
+
 std::string differences(const Identity& there, const Identity& here) {
   std::vector<std::string> all;
   for (const auto& [name, value] : here) {
@@ -146,7 +155,7 @@ std::string differences(const Identity& there, const Identity& here) {
       all.push_back(fmt::format("{} is given in the folder, not here", name));
     }
   }
-  return fmt::format("{}", fmt::join(all, "; "));
+  return some_of(all, "; ");
 }
 
 std::string identity_text(const Plan& plan) {

@@ -79,6 +79,9 @@ std::string program_version();
 Campaign read_plan(const std::string& path, std::span<const Kind> kinds,
                    const std::string& version = program_version());
 
+/// The first eight of many texts, and how many there are besides.
+std::string some_of(const std::vector<std::string>& all, std::string_view separator);
+
 /// What differs between two identities, for a person: "trials: 10, here 20; wires/a.toml: another
 /// content".
 std::string differences(const Identity& there, const Identity& here);

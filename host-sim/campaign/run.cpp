@@ -53,12 +53,11 @@ class ShardRun {
     const std::uint64_t all = campaign_.plan.chunks();
     for (std::uint64_t i = options_.shard.index; i < all; i += options_.shard.count) {
       ++result_.chunks;
-      total_ += size(i);
       if (is_there(i)) {
         ++result_.found;
-        finished_ += size(i);
       } else {
         missing.push_back(i);
+        total_ += size(i);
       }
     }
     return missing;
@@ -94,7 +93,7 @@ class ShardRun {
   }
 
   void show(std::uint64_t of_this_chunk) const {
-    if (options_.progress) {
+    if (options_.progress && total_ > 0) {
       options_.progress(finished_ + of_this_chunk, total_);
     }
   }

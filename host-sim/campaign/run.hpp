@@ -11,7 +11,7 @@ namespace smaservo::campaign {
 struct RunOptions {
   Shard shard;
   int threads = 1;  ///< does not affect the result
-  /// Number of finished trials of this shard, and of all its trials.
+  /// Number of finished trials, and of all that are to be computed; not called if there are none.
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;
   /// Asked before each trial; true ends the work.
   std::function<bool()> stop;

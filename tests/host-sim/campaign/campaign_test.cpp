@@ -134,6 +134,27 @@ TEST(Campaign, ComputesBrokenChunksAgainAndSaysSo) {
   }
 }
 
+/// So that the time left is that of what is left.
+TEST(Campaign, ProgressCountsWhatIsMissing) {
+  const TemporaryFolder folder;
+  const Campaign campaign = small_campaign(folder);
+  run_into(campaign, folder / "out", {0, 2});
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> shown;
+  RunOptions options;
+  options.progress = [&](std::uint64_t done, std::uint64_t total) {
+    shown.emplace_back(done, total);
+  };
+  const Folder out = Folder::existing(campaign, folder / "out");
+  run_campaign(campaign, out, options);
+  // Chunks 1, 3, ... 13 with 70 trials each.
+  EXPECT_EQ(shown.front(), std::pair(std::uint64_t{0}, std::uint64_t{490}));
+  EXPECT_EQ(shown.back(), std::pair(std::uint64_t{490}, std::uint64_t{490}));
+  EXPECT_TRUE(std::ranges::is_sorted(shown));
+  shown.clear();
+  run_campaign(campaign, out, options);
+  EXPECT_TRUE(shown.empty());
+}
+
 TEST(Campaign, AShardIsComputedByOneProcessOnly) {
   const TemporaryFolder folder;
   const Campaign campaign = small_campaign(folder);
