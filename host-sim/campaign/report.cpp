@@ -245,8 +245,7 @@ std::string statistics_title(const Campaign& campaign, const Report& report) {
                          : "");
 }
 
-constexpr const char* certain_note =
-    "A star: more than three standard deviations from what chance gives.";
+constexpr const char* certain_note = "more than three standard deviations from what chance gives.";
 
 /// How many trials have how much of the main column.
 report::Panel histogram(const Report& report) {
@@ -328,7 +327,7 @@ Report make_report(const Campaign& campaign, const Folder& folder, std::uint64_t
 
 std::string report_text(const Campaign& campaign, const Report& report) {
   std::string text = statistics_title(campaign, report) + "\n\n" + report.quantiles.text();
-  text += "\n" + sensitivity_table(report).text() + certain_note + "\n";
+  text += "\n" + sensitivity_table(report).text() + "A star: " + certain_note + "\n";
   text += report.classes.empty() ? "" : "\n" + report.classes.text();
   text += fmt::format("\nGreatest {}:\n", report.main);
   for (const WorstTrial& one : report.worst) {
@@ -345,7 +344,7 @@ void write_report(const std::string& path, const Campaign& campaign, const Repor
     html += report::plots_html({histogram(report)}, Units::bench);
   }
   html += "<h2>Quantiles</h2>\n" + report.quantiles.html();
-  html += fmt::format("<h2>Sensitivity</h2>\n{}<p class=\"caption\">{}</p>\n",
+  html += fmt::format("<h2>Sensitivity</h2>\n{}<p class=\"caption\">Bold: {}</p>\n",
                       sensitivity_table(report).html(), certain_note);
   html += "<h2>Classes</h2>\n" + report.classes.html();
   html += fmt::format("<h2>Greatest {}</h2>\n<ul>\n", files::escaped(report.main));
