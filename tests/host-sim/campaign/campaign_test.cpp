@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <thread>
 
 #include "host-sim/campaign/hash.hpp"
 #include "tests/host-sim/campaign/small_campaign.hpp"
@@ -166,6 +167,42 @@ TEST(Campaign, AShardIsComputedByOneProcessOnly) {
     EXPECT_TRUE(run_into(campaign, folder / "out", {0, 2}).whole());
   }
   EXPECT_TRUE(run_into(campaign, folder / "out", {1, 2}).whole());
+}
+
+/// Begins one folder for all of these campaigns at the same time; returns the errors.
+std::vector<std::string> begun_at_once(const std::vector<const Campaign*>& campaigns,
+                                       const std::string& out) {
+  std::vector<std::string> errors(campaigns.size());
+  std::atomic<std::size_t> ready = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < campaigns.size(); ++i) {
+      threads.emplace_back([&, i] {
+        ++ready;
+        while (ready < campaigns.size()) {
+          std::this_thread::yield();
+        }
+        errors[i] = error_of([&] { Folder::prepared(*campaigns[i], out); });
+      });
+    }
+  }
+  return errors;
+}
+
+TEST(Campaign, ShardsMayBeginAtOnceAndOtherPlansMayNot) {
+  const TemporaryFolder folder;
+  const Campaign one = small_campaign(folder);
+  const Campaign other = small_campaign(folder, small_plan, "1.2.4");
+  for (int round = 0; round < 20; ++round) {
+    const std::string same = folder / fmt::format("same-{}", round);
+    EXPECT_THAT(begun_at_once({&one, &one, &one, &one}, same), ::testing::Each(""));
+    EXPECT_EQ(file_text(same + "/identity.txt"), identity_text(one.plan));
+    const std::string out = folder / fmt::format("out-{}", round);
+    const std::vector<std::string> errors = begun_at_once({&one, &other}, out);
+    const bool first = errors[0].empty();
+    EXPECT_EQ(file_text(out + "/identity.txt"), identity_text((first ? one : other).plan));
+    EXPECT_THAT(errors[first ? 1 : 0], HasSubstr("holds the results of another plan"));
+  }
 }
 
 /// Files of this process cannot grow beyond this as long as it lives.
