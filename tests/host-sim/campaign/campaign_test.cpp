@@ -176,6 +176,7 @@ std::vector<std::string> begun_at_once(const std::vector<const Campaign*>& campa
   std::atomic<std::size_t> ready = 0;
   {
     std::vector<std::jthread> threads;
+    threads.reserve(campaigns.size());
     for (std::size_t i = 0; i < campaigns.size(); ++i) {
       threads.emplace_back([&, i] {
         ++ready;
