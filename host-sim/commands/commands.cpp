@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fmt/format.h>
 
+#include "host-sim/campaign/campaign_command.hpp"
 #include "host-sim/can/can_command.hpp"
 #include "host-sim/convert/convert_command.hpp"
 #include "host-sim/describe/describe_command.hpp"
@@ -47,6 +48,7 @@ int run_host_sim(int argc, char** argv) {
   });
   app.require_subcommand(1);
   plan::add_calibrate_plan_command(app);
+  campaign::add_campaign_command(app);
   can::add_can_command(app);
   compare::add_compare_command(app);
   convert::add_convert_command(app);

@@ -429,6 +429,10 @@ EndBySignal::~EndBySignal() {
   }
 }
 
+bool EndBySignal::came() {
+  return signal_that_came() != 0;
+}
+
 void check_observer_program(const std::string& program) {
   std::error_code ignored;
   const char* mistake = nullptr;

@@ -39,6 +39,9 @@ class EndBySignal {
   EndBySignal(const EndBySignal&) = delete;
   EndBySignal& operator=(const EndBySignal&) = delete;
 
+  /// Whether one of the signals has come since the newest one began.
+  static bool came();
+
  private:
   std::array<struct sigaction, 3> before_{};
 };

@@ -21,16 +21,6 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double estimate_settles_s = 1;
 
-/// The set-point as a strain; NaN in modes that do not control the length.
-double wanted_strain(const Settings<double>& settings, Mode mode, double value) {
-  if (mode == Mode::strain) {
-    return value;
-  }
-  return mode == Mode::position
-             ? settings.axis.zero_strain - value / settings.wire.geometry.length_m
-             : nan;
-}
-
 // The limits of a step, for StepControl: limit reasons, and above them the limiting warnings, which
 // `protection` stands for.
 constexpr unsigned first_warning_bit = 16;
@@ -309,6 +299,15 @@ std::string reason_of(const report::StepFigures& step, const Settings<double>& s
 }
 
 }  // namespace
+
+double wanted_strain(const Settings<double>& settings, Mode mode, double value) {
+  if (mode == Mode::strain) {
+    return value;
+  }
+  return mode == Mode::position
+             ? settings.axis.zero_strain - value / settings.wire.geometry.length_m
+             : nan;
+}
 
 std::vector<std::string> unreached(const bench::ClosedLoopScenario& scenario,
                                    const LoopRunResult& result) {

@@ -64,6 +64,9 @@ struct LoopRunOptions {
   bool record = false;  ///< collects the data for a report
 };
 
+/// A set-point of this mode as a strain; NaN in modes that do not control the length.
+double wanted_strain(const Settings<double>& settings, Mode mode, double value);
+
 /// Throws UserError.
 LoopRunResult run_closed_loop(const bench::ClosedLoopScenario& scenario,
                               const LoopRunOptions& options);

@@ -1,0 +1,143 @@
+#include "host-sim/campaign/campaign_command.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "host-sim/campaign/kinds/kinds.hpp"
+#include "host-sim/campaign/merge.hpp"
+#include "host-sim/campaign/report.hpp"
+#include "host-sim/campaign/run.hpp"
+#include "host-sim/evaluate/observer_program.hpp"
+#include "model/files/error.hpp"
+#include "model/files/message.hpp"
+#include "model/files/output_file.hpp"
+#include "model/files/progress.hpp"
+
+namespace smaservo::campaign {
+namespace {
+
+constexpr int most_threads = 1024;
+
+struct CampaignArguments {
+  std::string plan, out, shard, report;
+  std::optional<std::int64_t> trial;
+  int threads = 1;
+  bool merge = false;
+};
+
+/// Prints one trial, with the command that shows more of it.
+void run_trial(const Campaign& campaign, std::int64_t trial) {
+  const auto index = static_cast<std::uint64_t>(trial);
+  if (trial < 0 || index >= campaign.plan.trials) {
+    throw files::UserError(fmt::format("--trial {}: the plan has the trials 0 to {}", trial,
+                                       campaign.plan.trials - 1));
+  }
+  const Row row = campaign.trials->run(index);
+  files::print(csv_head(campaign.trials->columns()) + csv_line(index, row));
+  files::complain("host-sim", "the same alone: " + campaign.trials->command(index));
+}
+
+/// Joins the chunks, prints what their rows show, and writes it as a report.
+void finish(const Campaign& campaign, const Folder& folder, const CampaignArguments& a) {
+  merge(campaign, folder);
+  const Report report = make_report(campaign, folder);
+  files::print(files::printable_lines(report_text(campaign, report)));
+  if (!a.report.empty()) {
+    write_report(a.report, campaign, report);
+  }
+}
+
+/// Computes the shard. A signal ends it between two trials.
+RunResult run_shard(const Campaign& campaign, const Folder& folder, const CampaignArguments& a) {
+  RunOptions options;
+  options.shard = a.shard.empty() ? Shard{} : shard_of(a.shard);
+  options.threads = a.threads;
+  options.stop = evaluate::EndBySignal::came;
+  options.warn = [](const std::string& text) { files::complain("host-sim", text); };
+  std::optional<files::Progress> line;
+  options.progress = [&](std::uint64_t done, std::uint64_t total) {
+    if (!line) {
+      line.emplace("campaign", total);
+    }
+    line->update(done);
+  };
+  return run_campaign(campaign, folder, options);
+}
+
+void run_all(const Campaign& campaign, const CampaignArguments& a) {
+  const evaluate::EndBySignal end;
+  const Folder folder = Folder::prepared(campaign, a.out);
+  const RunResult result = run_shard(campaign, folder, a);
+  const std::string counts = fmt::format("{} chunks: {} computed, {} were there", result.chunks,
+                                         result.computed, result.found);
+  if (result.stopped) {
+    files::complain("host-sim",
+                    fmt::format("interrupted after {}. The same command goes on", counts));
+  } else if (a.shard.empty()) {
+    finish(campaign, folder, a);
+    files::print(fmt::format("\n{}; {} trials in {}\n", counts, campaign.plan.trials,
+                             files::printable(folder.trials_path())));
+  } else {
+    files::print(fmt::format("shard {}: {}; --merge joins all shards\n", a.shard, counts));
+  }
+}
+
+void run(const CampaignArguments& a) {
+  refuse_to_overwrite(a.plan, a.report);
+  // An option that is wrong is told before the plan, whose files may take a while.
+  if (!a.shard.empty()) {
+    shard_of(a.shard);
+  }
+  if (a.out.empty() && !a.trial) {
+    throw files::UserError("--out is missing: the folder of the results");
+  }
+  const Campaign campaign = read_plan(a.plan, all_kinds());
+  if (!a.report.empty()) {
+    // That it cannot be written is told now, not after hours.
+    const files::OutputFile writable(a.report);
+  }
+  if (a.trial) {
+    run_trial(campaign, *a.trial);
+  } else if (a.merge) {
+    const Folder folder = Folder::existing(campaign, a.out);
+    finish(campaign, folder, a);
+    files::print(fmt::format("\n{} trials in {}\n", campaign.plan.trials,
+                             files::printable(folder.trials_path())));
+  } else {
+    run_all(campaign, a);
+  }
+}
+
+}  // namespace
+
+void add_campaign_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "campaign", "Runs many trials of a plan in chunks, divided as one likes, and joins them.");
+  auto a = std::make_shared<CampaignArguments>();
+  a->threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  command->add_option("plan", a->plan, "TOML file; its keys: host-sim/campaign/README.md")
+      ->required();
+  command->add_option("--out", a->out,
+                      "folder of the results; chunks that are in it are not computed again");
+  CLI::Option* const shard =
+      command->add_option("--shard", a->shard, "K/N: only part K, from 0 to N-1, of N parts");
+  command->add_option("--threads", a->threads, "do not affect the result")
+      ->check(CLI::Range(1, most_threads))
+      ->capture_default_str();
+  CLI::Option* const merge = command->add_flag(
+      "--merge", a->merge, "computes nothing: joins the chunks that shards have computed");
+  merge->excludes(shard);
+  command->add_option("--report", a->report, "what the rows show, as one HTML file")
+      ->excludes(shard);
+  command
+      ->add_option("--trial", a->trial,
+                   "runs one trial by its number, and prints its row; no --out")
+      ->excludes("--out", "--shard", "--merge", "--report");
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace smaservo::campaign
