@@ -77,7 +77,7 @@ class ShardRun {
 
   void compute(std::uint64_t number) const {
     const std::uint64_t first = campaign_.plan.first(number);
-    std::vector<std::string> rows(size(number));
+    std::vector<std::string> rows(static_cast<std::size_t>(size(number)));
     parallel(
         rows.size(), options_.threads,
         [&](std::size_t i) {

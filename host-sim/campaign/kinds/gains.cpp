@@ -151,7 +151,7 @@ class Gains final : public Trials {
 
  private:
   bench::WireUnit unit_of(std::uint64_t index) const {
-    const hal::Family family = families_[index % families_.size()];
+    const hal::Family family = families_[static_cast<std::size_t>(index % families_.size())];
     return index == 0 ? nominal_unit(family) : bench::random_unit(family, seed_ + index);
   }
 

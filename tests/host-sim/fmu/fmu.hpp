@@ -108,6 +108,7 @@ struct FmuLog {
   std::vector<std::string> messages;
 };
 
+[[gnu::format(printf, 5, 6)]]
 inline void log2(fmi2ComponentEnvironment log, fmi2String /*name*/, fmi2Status /*status*/,
                  fmi2String /*category*/, fmi2String format, ...) {
   va_list arguments;
