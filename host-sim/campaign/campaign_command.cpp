@@ -11,7 +11,7 @@
 #include "host-sim/campaign/merge.hpp"
 #include "host-sim/campaign/report.hpp"
 #include "host-sim/campaign/run.hpp"
-#include "host-sim/evaluate/observer_program.hpp"
+#include "host-sim/end_by_signal.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
@@ -56,7 +56,7 @@ RunResult run_shard(const Campaign& campaign, const Folder& folder, const Campai
   RunOptions options;
   options.shard = a.shard.empty() ? Shard{} : shard_of(a.shard);
   options.threads = a.threads;
-  options.stop = evaluate::EndBySignal::came;
+  options.stop = EndBySignal::came;
   options.warn = [](const std::string& text) { files::complain("host-sim", text); };
   std::optional<files::Progress> line;
   options.progress = [&](std::uint64_t done, std::uint64_t total) {
@@ -69,7 +69,7 @@ RunResult run_shard(const Campaign& campaign, const Folder& folder, const Campai
 }
 
 void run_all(const Campaign& campaign, const CampaignArguments& a) {
-  const evaluate::EndBySignal end;
+  const EndBySignal end;
   const Folder folder = Folder::prepared(campaign, a.out);
   const RunResult result = run_shard(campaign, folder, a);
   const std::string counts = fmt::format("{} chunks: {} computed, {} were there", result.chunks,

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "host-sim/end_by_signal.hpp"
 #include "host-sim/evaluate/observer_program.hpp"
 #include "host-sim/evaluate/runs/calibrate.hpp"
 #include "host-sim/parallel.hpp"

@@ -23,6 +23,7 @@
 
 #include "hal/linux/system/descriptor.hpp"
 #include "hal/recording/start_program.hpp"
+#include "host-sim/end_by_signal.hpp"
 #include "host-sim/replay/observers.hpp"
 #include "host-sim/temporary_folder.hpp"
 #include "model/files/error.hpp"
@@ -87,14 +88,8 @@ Pipe open_pipe(bool written_here) {
 
 constexpr int unknown_end = -1;
 
-constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP};
 /// How long a conversation may take to see that one has come.
 constexpr std::chrono::milliseconds signal_patience{200};
-
-volatile std::sig_atomic_t& signal_that_came() {
-  static volatile std::sig_atomic_t signal = 0;
-  return signal;
-}
 
 /// The running program, in a process group of its own.
 class Child {
@@ -218,7 +213,7 @@ class Conversation {
                                    {child_.output(), POLLIN, 0},
                                    {child_.errors(), POLLIN, 0},
                                    {child_.running(), POLLIN, 0}}};
-      if (signal_that_came() != 0) {
+      if (EndBySignal::came()) {
         fail("is ended with this program");
       }
       const int ready = poll(files.data(), files.size(),
@@ -405,33 +400,6 @@ class Conversation {
 };
 
 }  // namespace
-
-EndBySignal::EndBySignal() {
-  signal_that_came() = 0;
-  struct sigaction action{};
-  action.sa_handler = [](int signal) { signal_that_came() = signal; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
-  for (std::size_t i = 0; i < ending_signals.size(); ++i) {
-    sigaction(ending_signals[i], nullptr, &before_[i]);
-    // One that is ignored, as by nohup, stays so.
-    if (before_[i].sa_handler != SIG_IGN) {
-      sigaction(ending_signals[i], &action, nullptr);
-    }
-  }
-}
-
-EndBySignal::~EndBySignal() {
-  for (std::size_t i = 0; i < ending_signals.size(); ++i) {
-    sigaction(ending_signals[i], &before_[i], nullptr);
-  }
-  if (signal_that_came() != 0) {
-    raise(signal_that_came());
-  }
-}
-
-bool EndBySignal::came() {
-  return signal_that_came() != 0;
-}
 
 void check_observer_program(const std::string& program) {
   std::error_code ignored;

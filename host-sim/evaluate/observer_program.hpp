@@ -1,9 +1,7 @@
 #pragma once
 // An observer that is a program of the user's. README.md has its protocol.
 
-#include <array>
 #include <chrono>
-#include <csignal>
 #include <string>
 #include <vector>
 
@@ -29,26 +27,10 @@ std::vector<std::string> observer_program_names(const std::vector<std::string>& 
 /// A program that for so long neither reads a row nor answers is ended.
 inline constexpr std::chrono::milliseconds program_patience{60'000};
 
-/// While one exists, SIGINT, SIGTERM and SIGHUP, but those that are ignored, end what
-/// ask_observer_program() runs, by an exception, and end this program when it is destroyed: so
-/// nothing stays behind. The second signal ends it at once.
-class EndBySignal {
- public:
-  EndBySignal();
-  ~EndBySignal();
-  EndBySignal(const EndBySignal&) = delete;
-  EndBySignal& operator=(const EndBySignal&) = delete;
-
-  /// Whether one of the signals has come since the newest one began.
-  static bool came();
-
- private:
-  std::array<struct sigaction, 3> before_{};
-};
-
 /// Starts the program, gives it the measured values of one run and ends it, and with it whatever it
 /// has started in its process group. One answer for each row. `run` names the run in errors. Throws
-/// UserError if the program cannot be started, fails, or does not keep the protocol.
+/// UserError if the program cannot be started, fails, or does not keep the protocol, and if a
+/// signal comes while an EndBySignal exists.
 std::vector<ProgramAnswer> ask_observer_program(
     const std::string& program, const Wire<double>& wire,
     const std::vector<simulate::SimulatedRow>& rows, const std::string& run,

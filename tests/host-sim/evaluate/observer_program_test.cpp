@@ -13,6 +13,7 @@
 #include <random>
 #include <sys/wait.h>
 
+#include "host-sim/end_by_signal.hpp"
 #include "host-sim/evaluate/evaluate.hpp"
 #include "host-sim/evaluate/table.hpp"
 #include "model/files/error.hpp"
@@ -154,7 +155,7 @@ TEST(ObserverProgram, GoesOnWhenASignalIsIgnored) {
   const std::string program = shell(folder, "cat >/dev/null; echo 0.1; echo 0.2");
   const auto before = std::signal(SIGHUP, SIG_IGN);
   {
-    const evaluate::EndBySignal end;
+    const EndBySignal end;
     raise(SIGHUP);
     EXPECT_EQ(ask(program, some_rows(2)).size(), 2U);
   }
