@@ -12,6 +12,7 @@
 #include "host-sim/campaign/report.hpp"
 #include "host-sim/campaign/run.hpp"
 #include "host-sim/end_by_signal.hpp"
+#include "host-sim/evaluate/table.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
@@ -23,7 +24,7 @@ namespace {
 constexpr int most_threads = 1024;
 
 struct CampaignArguments {
-  std::string plan, out, shard, report;
+  std::string plan, out, shard, report, markdown;
   std::optional<std::int64_t> trial;
   int threads = 1;
   bool merge = false;
@@ -36,16 +37,20 @@ void run_trial(const Campaign& campaign, std::int64_t trial) {
     throw files::UserError(fmt::format("--trial {}: the plan has the trials 0 to {}", trial,
                                        campaign.plan.trials - 1));
   }
-  const Row row = campaign.trials->run(index);
-  files::print(csv_head(campaign.trials->columns()) + csv_line(index, row));
+  const EndBySignal end;
+  const TrialResult result = campaign.trials->run(index, EndBySignal::came);
+  files::print(csv_head(campaign.trials->columns()) + csv_line(index, result.row));
   files::complain("host-sim", "the same alone: " + campaign.trials->command(index));
 }
 
 /// Joins the chunks, prints what their rows show, and writes it as a report.
 void finish(const Campaign& campaign, const Folder& folder, const CampaignArguments& a) {
   merge(campaign, folder);
-  const Report report = make_report(campaign, folder);
+  const Report report = make_report(campaign, folder, !a.markdown.empty());
   files::print(files::printable_lines(report_text(campaign, report)));
+  if (!a.markdown.empty()) {
+    evaluate::TableFile(a.markdown, report.table->mark()).rewrite(report.table->markdown());
+  }
   if (!a.report.empty()) {
     write_report(a.report, campaign, report);
   }
@@ -86,8 +91,23 @@ void run_all(const Campaign& campaign, const CampaignArguments& a) {
   }
 }
 
+/// Told before the trials: that there is no such table, or the file has no place for it.
+void check_markdown(const Campaign& campaign, const std::string& path) {
+  if (path.empty()) {
+    return;
+  }
+  const std::unique_ptr<const Table> table = campaign.trials->table();
+  if (!table) {
+    throw files::UserError(fmt::format("--markdown {}: there is no such table of the kind {}", path,
+                                       campaign.plan.kind));
+  }
+  const evaluate::TableFile file(path, table->mark());
+}
+
 void run(const CampaignArguments& a) {
   refuse_to_overwrite(a.plan, a.report);
+  refuse_to_overwrite(a.plan, a.markdown);
+  refuse_to_overwrite(a.markdown, a.report);
   // An option that is wrong is told before the plan, whose files may take a while.
   if (!a.shard.empty()) {
     shard_of(a.shard);
@@ -96,6 +116,7 @@ void run(const CampaignArguments& a) {
     throw files::UserError("--out is missing: the folder of the results");
   }
   const Campaign campaign = read_plan(a.plan, all_kinds());
+  check_markdown(campaign, a.markdown);
   if (!a.report.empty()) {
     // That it cannot be written is told now, not after hours.
     const files::OutputFile writable(a.report);
@@ -134,9 +155,13 @@ void add_campaign_command(CLI::App& app) {
   command->add_option("--report", a->report, "what the rows show, as one HTML file")
       ->excludes(shard);
   command
+      ->add_option("--markdown", a->markdown,
+                   "Markdown file in which the kind's own table is replaced")
+      ->excludes(shard);
+  command
       ->add_option("--trial", a->trial,
                    "runs one trial by its number, and prints its row; no --out")
-      ->excludes("--out", "--shard", "--merge", "--report");
+      ->excludes("--out", "--shard", "--merge", "--report", "--markdown");
   command->callback([a] { run(*a); });
 }
 

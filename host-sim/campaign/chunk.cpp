@@ -1,6 +1,7 @@
 #include "host-sim/campaign/chunk.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <fmt/format.h>
 
@@ -11,6 +12,8 @@ namespace smaservo::campaign {
 namespace {
 
 constexpr std::string_view end_mark = "# end: ";
+/// "# file 123 name": the next 123 bytes are the file, then comes an end of line.
+constexpr std::string_view attached_mark = "# file ";
 
 std::string chunk_head(const Campaign& campaign, std::uint64_t number) {
   const Plan& plan = campaign.plan;
@@ -39,13 +42,35 @@ std::string other_head(std::string_view text, std::string_view head) {
 
 }  // namespace
 
-std::string chunk_text(const Campaign& campaign, std::uint64_t number,
-                       const std::vector<std::string>& rows) {
-  std::string text = chunk_head(campaign, number);
-  for (const std::string& row : rows) {
-    text += row;
+std::vector<TrialFile> ChunkFile::files() const {
+  std::vector<TrialFile> all;
+  std::string_view rest = std::string_view(text).substr(end);
+  while (rest.starts_with(attached_mark)) {
+    rest.remove_prefix(attached_mark.size());
+    std::size_t size = 0;
+    const auto number = std::from_chars(rest.data(), rest.data() + rest.size(), size);
+    rest.remove_prefix(static_cast<std::size_t>(number.ptr - rest.data()) + 1);
+    const std::string_view name = line_at(rest, 0);
+    rest.remove_prefix(name.size() + 1);
+    all.push_back({std::string(name), std::string(rest.substr(0, size))});
+    rest.remove_prefix(size + 1);
   }
-  return text + chunk_end(rows.size(), text);
+  return all;
+}
+
+std::string chunk_text(const Campaign& campaign, std::uint64_t number,
+                       const std::vector<TrialResult>& results) {
+  std::string text = chunk_head(campaign, number);
+  std::uint64_t trial = campaign.plan.first(number);
+  for (const TrialResult& result : results) {
+    text += csv_line(trial++, result.row);
+  }
+  for (const TrialResult& result : results) {
+    for (const TrialFile& file : result.files) {
+      text += fmt::format("{}{} {}\n{}\n", attached_mark, file.text.size(), file.name, file.text);
+    }
+  }
+  return text + chunk_end(results.size(), text);
 }
 
 ChunkFile read_chunk(const Campaign& campaign, std::uint64_t number, const std::string& path) {
@@ -66,7 +91,9 @@ ChunkFile read_chunk(const Campaign& campaign, std::uint64_t number, const std::
   const std::string head = chunk_head(campaign, number);
   const std::uint64_t wanted = campaign.plan.first(number + 1) - campaign.plan.first(number);
   file.begin = std::min(head.size(), before.size());
-  file.end = before.size();
+  // Rows begin with a number.
+  const std::size_t mark = before.find('\n' + std::string(attached_mark), file.begin - 1);
+  file.end = mark == std::string_view::npos ? before.size() : mark + 1;
   const auto rows = static_cast<std::uint64_t>(std::ranges::count(file.rows(), '\n'));
   if (!text.substr(last + 1).ends_with(fmt::format("checksum {}\n", hash_of(before)))) {
     file.problem = "has been changed: its checksum is another one";

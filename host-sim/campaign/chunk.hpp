@@ -1,6 +1,6 @@
 #pragma once
-// A chunk is a file with the rows of consecutive trials. Its first lines say of which plan it is,
-// its last line proves that it is whole.
+// A chunk is a file with the rows of consecutive trials and then the files that they leave. Its
+// first lines say of which plan it is, its last line proves that it is whole.
 
 #include <cstdint>
 #include <string>
@@ -25,11 +25,13 @@ struct ChunkFile {
   std::size_t begin = 0, end = 0;  ///< where its rows are in `text`
 
   std::string_view rows() const { return std::string_view(text).substr(begin, end - begin); }
+  /// The files that its trials leave.
+  std::vector<TrialFile> files() const;
 };
 
-/// The file's content, with the rows of all its trials.
+/// The file's content, from the results of all its trials.
 std::string chunk_text(const Campaign& campaign, std::uint64_t number,
-                       const std::vector<std::string>& rows);
+                       const std::vector<TrialResult>& results);
 
 /// Reads a file and judges it. Throws ConfigError if it exists and cannot be read.
 ChunkFile read_chunk(const Campaign& campaign, std::uint64_t number, const std::string& path);

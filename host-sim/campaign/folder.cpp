@@ -127,6 +127,12 @@ std::string Folder::trials_path() const {
   return (fs::path(path_) / "trials.csv").string();
 }
 
+std::string Folder::file_path(const std::string& name) const {
+  const fs::path folder = fs::path(path_) / "files";
+  files::prepare_folder("--out", folder.string());
+  return (folder / name).string();
+}
+
 std::vector<std::string> Folder::strangers(const Campaign& campaign) const {
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(path_) / chunks_name)) {

@@ -29,6 +29,8 @@ class Folder {
   const std::string& path() const { return path_; }
   std::string chunk_path(std::uint64_t number) const;
   std::string trials_path() const;
+  /// Where a trial's file is put when all chunks are joined. Makes the folder of these files.
+  std::string file_path(const std::string& name) const;
   ChunkFile chunk(const Campaign& campaign, std::uint64_t number) const {
     return read_chunk(campaign, number, chunk_path(number));
   }

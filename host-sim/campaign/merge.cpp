@@ -83,7 +83,7 @@ void merge(const Campaign& campaign, const Folder& folder) {
         obstacles.can_be_computed()
             ? fmt::format(
                   ". What is missing or broken is computed by: host-sim campaign {} --out {}",
-                  campaign.plan.path, folder.path())
+                  shell_word(campaign.plan.path), shell_word(folder.path()))
             : ""));
   }
   files::OutputFile output(folder.trials_path());
@@ -94,6 +94,11 @@ void merge(const Campaign& campaign, const Folder& folder) {
       throw files::UserError(fmt::format("{}: {}", folder.chunk_path(i), file.problem));
     }
     output.write(file.rows());
+    for (const TrialFile& left : file.files()) {
+      files::OutputFile own(folder.file_path(left.name));
+      own.write(left.text);
+      own.commit();
+    }
   }
   output.commit();
 }

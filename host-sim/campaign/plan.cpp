@@ -64,6 +64,17 @@ std::uint64_t chunk_size(files::TomlTable& root, const Plan& plan, const Trials&
   return std::min(plan.trials, static_cast<std::uint64_t>(wanted));
 }
 
+/// Of a kind whose files say how many trials there are, `found`; 0: of another kind.
+void take_trials(files::TomlTable& root, Plan& plan, std::uint64_t found) {
+  if (found == 0 && plan.trials == 0) {
+    whole_number(root, "trials", 1, most_trials);  // says that it is missing
+  }
+  if (found > 0 && plan.trials > found) {
+    root.fail("trials", fmt::format("must not be above {}, as many as there are", found));
+  }
+  plan.trials = plan.trials == 0 ? found : plan.trials;
+}
+
 std::string_view value_in(const Identity& identity, std::string_view name) {
   const auto found = std::ranges::find(identity, name, &Identity::value_type::first);
   return found == identity.end() ? std::string_view() : std::string_view(found->second);
@@ -80,9 +91,11 @@ std::string KindTable::path(std::string_view key) {
   return file_.beside(table_.text(key));
 }
 
-void KindTable::depends_on(std::string_view key, const std::string& name, const std::string& path) {
+std::string KindTable::depends_on(std::string_view key, const std::string& name,
+                                  const std::string& path) {
   try {
     depends_on_text(name, files::whole_file(path));
+    return found_.back().second;
   } catch (const files::ConfigError& error) {
     table_.fail(key, error.what());
   }
@@ -111,13 +124,14 @@ Campaign read_plan(const std::string& path, std::span<const Kind> kinds,
   }
   const Kind& kind = kinds[root.choice("kind", names)];
   plan.kind = kind.name;
-  plan.trials = whole_number(root, "trials", 1, most_trials);
+  plan.trials = root.has("trials") ? whole_number(root, "trials", 1, most_trials) : 0;
   plan.seed = root.has("seed") ? whole_number(root, "seed", 0, greatest_seed) : 0;
   files::TomlTable keys = root.table(kind.name);
   Identity found;
   KindTable table(plan, file, keys, found);
   std::unique_ptr<const Trials> trials = kind.read(table);
   keys.finish();
+  take_trials(root, plan, table.trials());
   plan.chunk = chunk_size(root, plan, *trials);
   root.finish();
   plan.identity = {{"version", plan.version}, {"chunk", fmt::to_string(plan.chunk)}};

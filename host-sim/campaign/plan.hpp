@@ -22,7 +22,8 @@ struct Plan {
   std::string path;  ///< as it was given
   std::string text;  ///< the file's content
   std::string kind;
-  std::uint64_t trials, seed;
+  std::uint64_t trials;  ///< while its kind is read, 0 if the plan does not say it
+  std::uint64_t seed;
   std::uint64_t chunk;  ///< trials of a chunk; the last one may have fewer
   std::string version;  ///< of the program
   Identity identity;
@@ -54,16 +55,21 @@ class KindTable {
   /// The path of the file or folder that this key names relative to the plan.
   std::string path(std::string_view key);
   /// Adds the content of a file that trials are computed from. `name` is relative to the plan.
-  /// Throws ConfigError, which names the key, if it cannot be read.
-  void depends_on(std::string_view key, const std::string& name, const std::string& path);
+  /// Returns its hash. Throws ConfigError, which names the key, if it cannot be read.
+  std::string depends_on(std::string_view key, const std::string& name, const std::string& path);
   /// Adds a text that trials are computed from, such as settings that were read from several files.
   void depends_on_text(const std::string& name, std::string_view text);
+  /// How many trials there are, where that follows from the files: a plan may have fewer, and need
+  /// not say how many.
+  void has_trials(std::uint64_t count) { trials_ = count; }
+  std::uint64_t trials() const { return trials_; }
 
  private:
   const Plan& plan_;
   const files::TomlFile& file_;
   files::TomlTable& table_;
   Identity& found_;
+  std::uint64_t trials_ = 0;
 };
 
 struct Kind {

@@ -54,9 +54,11 @@ bool is_worse(const WorstTrial& a, const WorstTrial& b) {
 /// The columns of the trials that statistics are made of.
 class Gathered {
  public:
-  Gathered(const Campaign& campaign, std::uint64_t every)
+  /// A table gets all trials.
+  Gathered(const Campaign& campaign, std::uint64_t every, Table* table)
       : columns_(campaign.trials->columns()),
         every_(every),
+        table_(table),
         numbers_(columns_.size()),
         texts_(columns_.size()) {
     const auto found = std::ranges::find(columns_, campaign.trials->main_column(), &Column::name);
@@ -64,21 +66,18 @@ class Gathered {
   }
 
   void add(std::uint64_t trial, std::string_view line) {
-    const std::vector<std::string> cells = cells_of(line);
+    std::vector<std::string> cells = cells_of(line);
     if (cells.size() != columns_.size() + 1) {
       throw files::UserError(
           fmt::format("trial {}: has {} cells, not {}", trial, cells.size(), columns_.size() + 1));
     }
     rank(trial, number_in(cells[main_ + 1]));
-    if (trial % every_ != 0) {
-      return;
+    if (trial % every_ == 0) {
+      count(cells);
     }
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      if (columns_[i].text) {
-        texts_[i].push_back(code(cells[i + 1]));
-      } else {
-        numbers_[i].push_back(number_in(cells[i + 1]));
-      }
+    if (table_ != nullptr) {
+      cells.erase(cells.begin());
+      table_->add(cells);
     }
   }
 
@@ -97,6 +96,16 @@ class Gathered {
   }
 
  private:
+  /// Takes a trial, whose number is its first cell, into the statistics.
+  void count(const std::vector<std::string>& cells) {
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (columns_[i].text) {
+        texts_[i].push_back(code(cells[i + 1]));
+      } else {
+        numbers_[i].push_back(number_in(cells[i + 1]));
+      }
+    }
+  }
   void rank(std::uint64_t trial, double value) {
     const WorstTrial one{trial, value};
     if (std::isnan(value)) {
@@ -117,6 +126,7 @@ class Gathered {
 
   const std::vector<Column>& columns_;
   std::uint64_t every_;
+  Table* table_;
   std::size_t main_ = 0;
   std::vector<std::vector<double>> numbers_;
   std::vector<std::vector<std::uint32_t>> texts_;
@@ -152,15 +162,13 @@ files::TextTable quantile_table(const Gathered& all) {
   for (std::size_t i = 0; i < all.columns().size(); ++i) {
     const Column& column = all.columns()[i];
     const std::vector<double> sorted = sorted_numbers(all.numbers(i));
-    if (column.drawn || column.text) {
+    if (column.drawn || column.text || column.quiet || sorted.empty()) {
       continue;
     }
     files::TextTable::Row row{column.name, sorted.size()};
     for (const double share : {0.0, 0.05, 0.5, 0.95, 1.0}) {
-      if (!sorted.empty()) {
-        const double at = share * static_cast<double>(sorted.size() - 1);
-        row.emplace_back(sorted[static_cast<std::size_t>(std::lround(at))]);
-      }
+      const double at = share * static_cast<double>(sorted.size() - 1);
+      row.emplace_back(sorted[static_cast<std::size_t>(std::lround(at))]);
     }
     table.add(std::move(row));
   }
@@ -171,7 +179,7 @@ files::TextTable class_table(const Gathered& all, const std::string& main) {
   files::TextTable table(
       {{"class"}, {"trials", "{}"}, {"mean of " + main, "{:.4g}"}, {"greatest", "{:.4g}"}});
   for (std::size_t i = 0; i < all.columns().size(); ++i) {
-    if (!all.columns()[i].text) {
+    if (!all.columns()[i].text || all.columns()[i].quiet) {
       continue;
     }
     for (const auto& [name, values] : all.by_class(i)) {
@@ -245,6 +253,11 @@ std::string statistics_title(const Campaign& campaign, const Report& report) {
                          : "");
 }
 
+/// The kind's own table; empty if it says nothing more.
+std::string own_text(const Report& report) {
+  return report.table ? report.table->text() : "";
+}
+
 constexpr const char* certain_note = "more than three standard deviations from what chance gives.";
 
 /// How many trials have how much of the main column.
@@ -302,15 +315,21 @@ double rank_correlation(const std::vector<double>& x, const std::vector<double>&
   return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : std::numeric_limits<double>::quiet_NaN();
 }
 
-Report make_report(const Campaign& campaign, const Folder& folder, std::uint64_t most_used) {
+Report make_report(const Campaign& campaign, const Folder& folder, bool with_table,
+                   std::uint64_t most_used) {
   const Plan& plan = campaign.plan;
-  Gathered all(campaign, (plan.trials + most_used - 1) / most_used);
+  std::unique_ptr<Table> table =
+      with_table || plan.trials <= most_used ? campaign.trials->table() : nullptr;
+  Gathered all(campaign, (plan.trials + most_used - 1) / most_used, table.get());
   for (std::uint64_t i = 0; i < plan.chunks(); ++i) {
     const ChunkFile file = folder.chunk(campaign, i);
     if (file.state != ChunkState::whole) {
       throw files::UserError(fmt::format("{}: {}", folder.chunk_path(i), file.problem));
     }
     gather_chunk(all, plan.first(i), file.rows());
+    if (table) {
+      std::ranges::for_each(file.files(), [&](const TrialFile& one) { table->add(one); });
+    }
   }
   const std::string main(campaign.trials->main_column());
   std::vector<double> sorted = sorted_numbers(all.main());
@@ -322,11 +341,16 @@ Report make_report(const Campaign& campaign, const Folder& folder, std::uint64_t
           sensitivities_of(all),
           quantile_table(all),
           class_table(all, main),
-          std::move(sorted)};
+          std::move(sorted),
+          std::move(table)};
 }
 
 std::string report_text(const Campaign& campaign, const Report& report) {
-  std::string text = statistics_title(campaign, report) + "\n\n" + report.quantiles.text();
+  std::string text = statistics_title(campaign, report) + "\n\n";
+  if (const std::string own = own_text(report); !own.empty()) {
+    text += own + "\nOf these trials:\n\n";
+  }
+  text += report.quantiles.text();
   text += "\n" + sensitivity_table(report).text() + "A star: " + certain_note + "\n";
   text += report.classes.empty() ? "" : "\n" + report.classes.text();
   text += fmt::format("\nGreatest {}:\n", report.main);
@@ -340,6 +364,9 @@ std::string report_text(const Campaign& campaign, const Report& report) {
 void write_report(const std::string& path, const Campaign& campaign, const Report& report) {
   std::string html =
       fmt::format("<p>{}.</p>\n", files::escaped(statistics_title(campaign, report)));
+  if (const std::string own = own_text(report); !own.empty()) {
+    html += fmt::format("<pre>{}</pre>\n", files::escaped(own));
+  }
   if (!report.sorted.empty()) {
     html += report::plots_html({histogram(report)}, Units::bench);
   }

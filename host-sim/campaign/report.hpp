@@ -2,6 +2,7 @@
 // What the table of a campaign shows.
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,14 +38,18 @@ struct Report {
   files::TextTable classes;                ///< the main column for each class of each text column
   /// Numbers of the main column, sorted, without infinite ones.
   std::vector<double> sorted;
+  /// The kind's own table of all trials; null if the kind has none, or it was not asked for.
+  std::unique_ptr<const Table> table;
 };
 
 /// Spearman's rank correlation of pairs, of which those with NaN are left out; equal numbers share
 /// their mean rank. NaN if there are fewer than two pairs, or all of one kind are equal.
 double rank_correlation(const std::vector<double>& x, const std::vector<double>& y);
 
-/// Reads all chunks, which must be whole. Statistics are of at most `most_used` trials.
-Report make_report(const Campaign& campaign, const Folder& folder,
+/// Reads all chunks, which must be whole. Statistics are of at most `most_used` trials. The kind's
+/// own table, which takes memory for each trial, is made of no more trials than that unless it is
+/// asked for.
+Report make_report(const Campaign& campaign, const Folder& folder, bool with_table = false,
                    std::uint64_t most_used = 1'000'000);
 
 /// Tables for a terminal, at most 80 characters wide but for the commands.

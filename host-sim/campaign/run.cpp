@@ -1,6 +1,10 @@
 #include "host-sim/campaign/run.hpp"
 
 #include <fmt/format.h>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
 
 #include "host-sim/parallel.hpp"
 #include "model/files/error.hpp"
@@ -9,9 +13,6 @@
 namespace smaservo::campaign {
 namespace {
 
-/// Ends the trials of a chunk.
-class Stopped : public std::exception {};
-
 class ShardRun {
  public:
   ShardRun(const Campaign& campaign, const Folder& folder, const RunOptions& options)
@@ -19,11 +20,18 @@ class ShardRun {
 
   RunResult run() {
     const std::vector<std::uint64_t> missing = missing_chunks();
+    open_.resize(missing.size());
     show(0);
     try {
-      for (const std::uint64_t number : missing) {
-        work_on(number);
-      }
+      // Threads take trials over all chunks, so that none of them waits at the end of a chunk. Only
+      // the last chunk of the campaign may have fewer trials than the others.
+      parallel(
+          static_cast<std::size_t>(total_), options_.threads,
+          [&](std::size_t i) {
+            const std::size_t at = i / static_cast<std::size_t>(campaign_.plan.chunk);
+            work_on(missing[at], open_[at], i % static_cast<std::size_t>(campaign_.plan.chunk));
+          },
+          [&](std::size_t done) { show(done); });
     } catch (const Stopped&) {
       result_.stopped = true;
     }
@@ -63,38 +71,57 @@ class ShardRun {
     return missing;
   }
 
-  void work_on(std::uint64_t number) {
-    // Another process that divides the campaign otherwise may have made it meanwhile.
-    if (folder_.chunk(campaign_, number).state == ChunkState::whole) {
-      ++result_.found;
-    } else {
-      compute(number);
-      ++result_.computed;
+  /// A chunk in work.
+  struct Open {
+    bool begun = false;
+    std::unique_ptr<std::vector<TrialResult>> results;  ///< none if it is not computed
+    std::uint64_t left = 0;                             ///< trials that have not ended
+  };
+
+  void work_on(std::uint64_t number, Open& chunk, std::size_t trial) {
+    if (options_.stop && options_.stop()) {
+      throw Stopped();
     }
-    finished_ += size(number);
-    show(0);
-  }
-
-  void compute(std::uint64_t number) const {
-    const std::uint64_t first = campaign_.plan.first(number);
-    std::vector<std::string> rows(static_cast<std::size_t>(size(number)));
-    parallel(
-        rows.size(), options_.threads,
-        [&](std::size_t i) {
-          if (options_.stop && options_.stop()) {
-            throw Stopped();
-          }
-          rows[i] = csv_line(first + i, campaign_.trials->run(first + i));
-        },
-        [&](std::size_t done) { show(done); });
+    if (!begin(number, chunk)) {
+      return;
+    }
+    TrialResult result = campaign_.trials->run(campaign_.plan.first(number) + trial, options_.stop);
+    std::unique_ptr<std::vector<TrialResult>> all;
+    {
+      const std::scoped_lock lock(mutex_);
+      (*chunk.results)[trial] = std::move(result);
+      if (--chunk.left > 0) {
+        return;
+      }
+      all = std::move(chunk.results);
+    }
     files::OutputFile file(folder_.chunk_path(number));
-    file.write(chunk_text(campaign_, number, rows));
+    file.write(chunk_text(campaign_, number, *all));
     file.commit();
+    const std::scoped_lock lock(mutex_);
+    ++result_.computed;
   }
 
-  void show(std::uint64_t of_this_chunk) const {
+  /// Before the first trial of a chunk. False if its trials are not to be computed, since another
+  /// process that divides the campaign otherwise has made it meanwhile.
+  bool begin(std::uint64_t number, Open& chunk) {
+    const std::scoped_lock lock(mutex_);
+    if (!chunk.begun) {
+      chunk.begun = true;
+      chunk.left = size(number);
+      if (folder_.chunk(campaign_, number).state == ChunkState::whole) {
+        ++result_.found;
+      } else {
+        chunk.results =
+            std::make_unique<std::vector<TrialResult>>(static_cast<std::size_t>(chunk.left));
+      }
+    }
+    return chunk.results != nullptr;
+  }
+
+  void show(std::uint64_t done) const {
     if (options_.progress && total_ > 0) {
-      options_.progress(finished_ + of_this_chunk, total_);
+      options_.progress(done, total_);
     }
   }
 
@@ -102,7 +129,9 @@ class ShardRun {
   const Folder& folder_;
   const RunOptions& options_;
   RunResult result_;
-  std::uint64_t finished_ = 0, total_ = 0;
+  std::mutex mutex_;  ///< of open_ and result_
+  std::vector<Open> open_;
+  std::uint64_t total_ = 0;  ///< trials to be computed
 };
 
 }  // namespace

@@ -121,7 +121,10 @@ void calibrate(const EvaluateOptions& options, std::vector<JudgedUnit>& units) {
   }
   parallel(
       units.size(), options.threads,
-      [&](std::size_t i) { units[i].calibrated = calibrated_wire(units[i].unit, options.wires); },
+      [&](std::size_t i) {
+        units[i].calibrated = options.calibrated ? options.calibrated(units[i].unit)
+                                                 : calibrated_wire(units[i].unit, options.wires);
+      },
       reporting(options, "calibration", units.size()));
 }
 
@@ -132,7 +135,8 @@ std::vector<Job> work_list(const EvaluateOptions& options, const std::vector<std
   std::vector<Job> jobs;
   for (const std::size_t index : rows) {
     const EvaluationRow& row = evaluation_rows()[index];
-    const auto runs = static_cast<std::size_t>(options.runs > 0 ? options.runs : row.runs);
+    const std::size_t runs = options.runs > 0 ? static_cast<std::size_t>(options.runs)
+                                              : static_cast<std::size_t>(row.runs) * units.size();
     for (std::size_t i = 0; i < runs; ++i) {
       const std::size_t at = i % units.size();
       const std::size_t round = i / units.size();
@@ -267,9 +271,17 @@ std::vector<JudgedRun> judge(const EvaluateOptions& options, const replay::RunSe
   return judged;
 }
 
-RowResult row_result(const EvaluateOptions& options, std::size_t row, std::vector<JudgedRun> runs) {
+/// Only while programs of others run: without them a signal ends this one as usual.
+std::optional<EndBySignal> ends_programs(const EvaluateOptions& options) {
+  return options.programs.empty() ? std::nullopt : std::optional<EndBySignal>(std::in_place);
+}
+
+}  // namespace
+
+RowResult row_result(const std::vector<hal::Family>& families, std::size_t row,
+                     std::vector<JudgedRun> runs) {
   RowResult result{row, {}, together(runs), {}};
-  for (const hal::Family family : options.families) {
+  for (const hal::Family family : families) {
     std::vector<JudgedRun> own;
     std::ranges::copy_if(runs, std::back_inserter(own),
                          [&](const JudgedRun& run) { return run.run.family == family; });
@@ -278,13 +290,6 @@ RowResult row_result(const EvaluateOptions& options, std::size_t row, std::vecto
   result.runs = std::move(runs);
   return result;
 }
-
-/// Only while programs of others run: without them a signal ends this one as usual.
-std::optional<EndBySignal> ends_programs(const EvaluateOptions& options) {
-  return options.programs.empty() ? std::nullopt : std::optional<EndBySignal>(std::in_place);
-}
-
-}  // namespace
 
 Evaluation evaluate(const EvaluateOptions& options) {
   const replay::RunSettings settings = replay::parse_run_settings(options.settings);
@@ -324,7 +329,7 @@ Evaluation evaluate(const EvaluateOptions& options) {
       if (i == evaluation.observers.size()) {
         evaluation.observers.push_back({observers[i].name, {}});
       }
-      evaluation.observers[i].rows.push_back(row_result(options, row, std::move(runs)));
+      evaluation.observers[i].rows.push_back(row_result(options.families, row, std::move(runs)));
     }
   }
   return evaluation;

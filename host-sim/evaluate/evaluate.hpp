@@ -19,7 +19,7 @@ inline constexpr std::uint64_t first_test_seed = 1000;
 struct EvaluateOptions {
   std::vector<hal::Family> families{hal::tuning_families.begin(), hal::tuning_families.end()};
   int units = 3;  ///< units of each family, with seeds from `seed` on
-  int runs = 0;   ///< runs in each row; 0: the row's own number
+  int runs = 0;   ///< runs in each row; 0: as many for each unit as the row says
   std::uint64_t seed = first_test_seed;
   int threads = 1;  ///< does not affect the result
   std::vector<std::string> observers{"kalman"};
@@ -29,7 +29,10 @@ struct EvaluateOptions {
   /// Folder of the calibrated wires, created if it is missing. A unit whose file (calibrated_name)
   /// is there is not calibrated again. Empty: nothing is kept.
   std::string wires;
-  /// Called when a stage begins and after each of its parts, never by two threads at once.
+  /// What calibrates a unit instead of calibrated_wire(), if it is set.
+  std::function<Wire<double>(const bench::WireUnit&)> calibrated;
+  /// Called when a stage begins and after each of its parts, never by two threads at once. What it
+  /// throws ends the evaluation.
   std::function<void(std::string_view stage, std::size_t done, std::size_t total)> progress;
 };
 
@@ -44,6 +47,10 @@ struct RowResult {
   RowFigures all;
   std::vector<FamilyFigures> by_family;  ///< in the order of the families in the options
 };
+
+/// All runs of a row together, and those of each family.
+RowResult row_result(const std::vector<hal::Family>& families, std::size_t row,
+                     std::vector<JudgedRun> runs);
 
 struct ObserverEvaluation {
   std::string observer;

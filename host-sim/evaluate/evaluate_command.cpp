@@ -179,7 +179,7 @@ void add_evaluate_command(CLI::App& app) {
       ->check(CLI::IsMember(std::vector<std::string>{"ihyp", "sublayers", "free-energy"}));
   command->add_option("--units", options.units, "wires of each family")->capture_default_str();
   command->add_option("--runs", options.runs,
-                      "runs of each row; default: 504 of disturbed, 108 of the others");
+                      "runs of each row; default: for each unit 84 of disturbed, 18 of the others");
   command
       ->add_option("--seed", options.seed,
                    "seed of the first unit; observers are tuned with 1 to 99")

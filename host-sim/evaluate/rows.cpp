@@ -35,7 +35,7 @@ const std::vector<EvaluationRow>& evaluation_rows() {
        .meaning = "the same; air ±10 K, convection ±20 %, resistance ±1 %",
        .conditions = {constant, spring, varying},
        .disturbed = Disturbed::always,
-       .runs = 504,
+       .runs = 84,
        .mean = 0.5,
        .p95 = 1.3,
        .maximum = 6},

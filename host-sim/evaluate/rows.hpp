@@ -24,7 +24,7 @@ struct EvaluationRow {
   /// By identification; otherwise the wire is the type file with a resistance measured at one
   /// point.
   bool calibrated = true;
-  int runs = 108;  ///< runs of all units together, unless the options give another number
+  int runs = 18;  ///< runs of each unit, unless the options give another number of all
   double mean = std::numeric_limits<double>::quiet_NaN();
   double p95 = std::numeric_limits<double>::quiet_NaN();
   double maximum = std::numeric_limits<double>::quiet_NaN();

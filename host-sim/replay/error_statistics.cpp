@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace smaservo::replay {
 namespace {
@@ -12,6 +14,12 @@ constexpr double bin_percent = 0.01;
 constexpr std::size_t max_bins = 100'000;  // 1000 %; beyond it only the maximum counts
 
 }  // namespace
+
+ErrorStatistics::ErrorStatistics(std::vector<std::uint64_t> bins, double sum, double maximum)
+    : bins_(std::move(bins)),
+      count_(std::accumulate(bins_.begin(), bins_.end(), std::uint64_t{0})),
+      sum_(sum),
+      maximum_(maximum) {}
 
 void ErrorStatistics::add(double percent) {
   // An estimate that is NaN counts as infinitely wrong.

@@ -9,6 +9,10 @@ namespace smaservo::replay {
 /// rounded up to 0.01 %.
 class ErrorStatistics {
  public:
+  ErrorStatistics() = default;
+  /// What others have counted: bins(), sum() and maximum().
+  ErrorStatistics(std::vector<std::uint64_t> bins, double sum, double maximum);
+
   void add(double percent);
   void add(const ErrorStatistics& others);
 
@@ -16,6 +20,9 @@ class ErrorStatistics {
   double mean() const { return count_ == 0 ? 0 : sum_ / static_cast<double>(count_); }
   double quantile(double share) const;
   double maximum() const { return maximum_; }
+  double sum() const { return sum_; }
+  /// Numbers of errors in [0.01 i, 0.01 (i + 1)) %; the last possible one has all beyond 1000 %.
+  const std::vector<std::uint64_t>& bins() const { return bins_; }
 
  private:
   std::vector<std::uint64_t> bins_;

@@ -79,4 +79,12 @@ inline std::vector<double> times(double factor, std::vector<double> values) {
   return values;
 }
 
+/// A bath run without resistance.
+inline std::string bath_file(double stress_MPa = 150) {
+  const Recording r;
+  return csv({{"temperature_degC", r.temperature_degC},
+              {"strain_ref", r.strain},
+              {"stress_MPa", std::vector<double>(r.strain.size(), stress_MPa)}});
+}
+
 }  // namespace smaservo::test

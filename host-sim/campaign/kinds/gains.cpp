@@ -6,6 +6,7 @@
 #include "firmware/bench/closed_loop.hpp"
 #include "firmware/bench/scenario/units.hpp"
 #include "firmware/text/settings_file.hpp"
+#include "host-sim/campaign/kinds/drawn_units.hpp"
 #include "host-sim/campaign/kinds/kinds.hpp"
 #include "host-sim/report/step_figures.hpp"
 #include "host-sim/simulate/closed_loop_run.hpp"
@@ -19,11 +20,6 @@ constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double same_type = 0.05;
 /// Seconds of one core for a second of a closed loop.
 constexpr double loop_cost = 0.0025;
-
-/// The preset itself, as if there were no tolerance.
-bench::WireUnit nominal_unit(hal::Family family) {
-  return {family, 0, files::load_wire(std::string(files::default_wire)), 0.5, {}};
-}
 
 /// How the true wire follows the set-points. Errors are in per cent of the nominal stroke.
 class FollowingErrors {
@@ -98,55 +94,40 @@ class Gains final : public Trials {
         families_(std::move(families)) {}
 
   const std::vector<Column>& columns() const override {
-    static const std::vector<Column> all{{"seed", true},
-                                         {"family", true, true},
-                                         {"length_ratio", true},
-                                         {"diameter_ratio", true},
-                                         {"m2a_shift_K", true},
-                                         {"a2m_shift_K", true},
-                                         {"a2r_shift_K", true},
-                                         {"martensite_strain_ratio", true},
-                                         {"martensite_modulus_ratio", true},
-                                         {"martensite_resistivity_ratio", true},
-                                         {"austenite_resistivity_ratio", true},
-                                         {"latent_heat_ratio", true},
-                                         {"specific_heat_ratio", true},
-                                         {"clamp_conductivity_ratio", true},
-                                         {"scatter_K", true},
-                                         {"rms_error_percent", false},
-                                         {"mean_error_percent", false},
-                                         {"max_error_percent", false},
-                                         {"steady_error_percent", false},
-                                         {"steps", false},
-                                         {"unsettled_steps", false},
-                                         {"worst_settling_s", false},
-                                         {"above_limit_K", false},
-                                         {"first_fault", false, true},
-                                         {"fault_s", false}};
+    static const std::vector<Column> all = with_unit_columns({{"rms_error_percent", false},
+                                                              {"mean_error_percent", false},
+                                                              {"max_error_percent", false},
+                                                              {"steady_error_percent", false},
+                                                              {"steps", false},
+                                                              {"unsettled_steps", false},
+                                                              {"worst_settling_s", false},
+                                                              {"above_limit_K", false},
+                                                              {"first_fault", false, true},
+                                                              {"fault_s", false}});
     return all;
   }
   std::string_view main_column() const override { return "rms_error_percent"; }
   double cost_s() const override { return loop_cost * scenario_.duration_s; }
 
-  Row run(std::uint64_t index) const override {
+  TrialResult run(std::uint64_t index, const Stop& /*stop*/) const override {
     const bench::WireUnit unit = unit_of(index);
     bench::ClosedLoopScenario scenario = scenario_;
     scenario.plant = {bench::plant_family(unit.family), unit.wire, unit.scatter_K, unit.structure,
                       seed_ + index};
     scenario.board.geometry = unit.wire.wire.geometry;
     scenario.board.seed = seed_ + index;
-    Row row = drawn(unit, seed_ + index);
+    Row row = unit_cells(unit, seed_ + index);
     FollowingErrors errors(scenario);
     bench::ClosedLoop loop(scenario);
     while (loop.step()) {
       errors.add(loop.cycle());
     }
     errors.append_to(row);
-    return row;
+    return {std::move(row)};
   }
 
   std::string command(std::uint64_t index) const override {
-    return fmt::format("host-sim campaign {} --trial {}", path_, index);
+    return fmt::format("host-sim campaign {} --trial {}", shell_word(path_), index);
   }
 
  private:
@@ -155,55 +136,11 @@ class Gains final : public Trials {
     return index == 0 ? nominal_unit(family) : bench::random_unit(family, seed_ + index);
   }
 
-  Row drawn(const bench::WireUnit& unit, std::uint64_t seed) const {
-    const Wire<double>& is = unit.wire.wire;
-    const Wire<double>& was = nominal_;
-    const auto shift_K = [](const Surface<double>& drawn_one, const Surface<double>& preset) {
-      return drawn_one.start_K[0] - preset.start_K[0];
-    };
-    const auto& m = is.material;
-    const auto& n = was.material;
-    return {seed,
-            std::string(hal::family_name(unit.family)),
-            is.geometry.length_m / was.geometry.length_m,
-            is.geometry.diameter_m / was.geometry.diameter_m,
-            shift_K(is.kinetics.m2a, was.kinetics.m2a),
-            shift_K(first_surface(is.kinetics.a2m_a2r), first_surface(was.kinetics.a2m_a2r)),
-            shift_K(second_surface(is.kinetics.a2m_a2r), second_surface(was.kinetics.a2m_a2r)),
-            m.martensite.strain / n.martensite.strain,
-            m.martensite.modulus_Pa / n.martensite.modulus_Pa,
-            m.martensite.resistivity_ohm_m / n.martensite.resistivity_ohm_m,
-            m.austenite.resistivity_ohm_m / n.austenite.resistivity_ohm_m,
-            is.heat.latent_m2a_J_kg / was.heat.latent_m2a_J_kg,
-            is.heat.specific_heat_J_kgK / was.heat.specific_heat_J_kgK,
-            is.heat.clamp_conductivity_W_mK / was.heat.clamp_conductivity_W_mK,
-            unit.scatter_K};
-  }
-
   std::string path_;
   std::uint64_t seed_;
   bench::ClosedLoopScenario scenario_;
   std::vector<hal::Family> families_;
-  Wire<double> nominal_ = nominal_unit(hal::Family::ihyp).wire.wire;
 };
-
-std::vector<hal::Family> families_of(KindTable& table) {
-  std::vector<hal::Family> families;
-  if (!table.keys().has("families")) {
-    return {hal::tuning_families.begin(), hal::tuning_families.end()};
-  }
-  for (const std::string& name : table.keys().texts("families")) {
-    const auto* const found = std::ranges::find(hal::families, name, hal::family_name);
-    if (found == hal::families.end()) {
-      table.keys().fail("families", "must be some of: ihyp, sublayers, free-energy");
-    }
-    families.push_back(*found);
-  }
-  if (families.empty()) {
-    table.keys().fail("families", "must be some of: ihyp, sublayers, free-energy");
-  }
-  return families;
-}
 
 }  // namespace
 

@@ -16,4 +16,10 @@ std::unique_ptr<const Trials> read_scenarios(KindTable& table);
 /// change.
 std::unique_ptr<const Trials> read_gains(KindTable& table);
 
+/// Units that are calibrated and on which observers are judged, as by `evaluate`.
+std::unique_ptr<const Trials> read_evaluate(KindTable& table);
+
+/// Measured runs of many wires, to each of which the parameters are fitted, as by `identify`.
+std::unique_ptr<const Trials> read_lot(KindTable& table);
+
 }  // namespace smaservo::campaign

@@ -27,14 +27,17 @@ identify::Run calibration_measurement(const bench::WireUnit& unit, std::size_t i
   return run;
 }
 
-files::WireDescription calibrate(const bench::WireUnit& unit) {
+files::WireDescription calibrate(const bench::WireUnit& unit,
+                                 const std::function<bool()>& proceed) {
   const Wire<double> from = unit.type_file();
   std::vector<identify::Run> runs;
   runs.reserve(calibration_stresses_MPa.size());
   for (std::size_t i = 0; i < calibration_stresses_MPa.size(); ++i) {
     runs.push_back(calibration_measurement(unit, i));
   }
-  const identify::FitResult fit = identify::fit_wire(from, runs, {});
+  identify::FitOptions options;
+  options.proceed = [&](const identify::FitProgress& /*at*/) { return proceed(); };
+  const identify::FitResult fit = identify::fit_wire(from, runs, options);
   return {fmt::format("{} {}", hal::family_name(unit.family), unit.seed),
           fit.wire,
           {{"all", fmt::format("fitted to {} simulated runs", runs.size())}}};

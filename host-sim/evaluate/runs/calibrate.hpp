@@ -1,6 +1,7 @@
 #pragma once
 // The wire of a unit as `host-sim identify` would find it from the unit's calibration runs.
 
+#include <functional>
 #include <string>
 
 #include "firmware/bench/scenario/units.hpp"
@@ -13,8 +14,10 @@ namespace smaservo::evaluate {
 identify::Run calibration_measurement(const bench::WireUnit& unit, std::size_t index);
 
 /// Fits the wire to all calibration_runs, starting from the unit's type file; one thread. Takes
-/// about a minute.
-files::WireDescription calibrate(const bench::WireUnit& unit);
+/// about a minute. Ends early, with a wire that is not fitted, when `proceed` returns false, which
+/// it asks many times.
+files::WireDescription calibrate(
+    const bench::WireUnit& unit, const std::function<bool()>& proceed = [] { return true; });
 
 /// Like calibrate(), with a folder that keeps the wires: a wire in it is read, another one is
 /// calibrated and written. An empty name keeps nothing. Throws UserError.

@@ -91,7 +91,7 @@ TEST_F(CampaignCommand, ScenariosAreThoseOfEvaluateWhichRunsThemAgain) {
   for (const std::uint64_t trial : {0U, 2U}) {
     const evaluate::HottestRun run =
         evaluate::run_hottest(evaluate::random_scenario(units, 1 + trial));
-    const campaign::Row row = plan.trials->run(trial);
+    const campaign::Row row = plan.trials->run(trial, {}).row;
     EXPECT_EQ(std::get<double>(row.at(7)), run.above_limit_K);
     EXPECT_EQ(std::get<double>(row.at(8)), run.at_s);
     EXPECT_EQ(std::get<std::string>(row.at(9)), std::string(fault_name(run.first_cause)));

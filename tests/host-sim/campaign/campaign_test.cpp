@@ -57,11 +57,54 @@ TEST(Campaign, TheTableHasEachTrialOnceAndInOrder) {
     merge_in(campaign, out);
     std::string expected = "trial,seed,class,value_m,maybe_s\n";
     for (std::uint64_t i = 0; i < 10; ++i) {
-      expected += csv_line(i, campaign.trials->run(i));
+      expected += csv_line(i, campaign.trials->run(i, {}).row);
     }
     EXPECT_EQ(file_text(out + "/trials.csv"), expected);
     EXPECT_THAT(expected, HasSubstr("\n0,0,\"a, \"\"b\"\"\",0,\n1,1,c,0.2804903"));
   }
+}
+
+TEST(Campaign, FilesOfTrialsArePutBesideTheTable) {
+  const TemporaryFolder folder;
+  const Campaign campaign = small_campaign(folder, small_plan + "with_notes = true\n");
+  const auto expected = expected_files(campaign, folder);
+  std::size_t files = 0;
+  for (const auto& [name, text] : expected) {
+    files += name.starts_with("files/") ? 1U : 0U;
+  }
+  EXPECT_EQ(files, 2U * 20U);
+  for (std::uint64_t i = 0; i < 1000; i += 50) {
+    EXPECT_EQ(expected.at(fmt::format("files/{}.txt", i)), SmallTrials::left_text(i));
+    EXPECT_EQ(expected.at(fmt::format("files/{} empty", i)), "");
+  }
+  for (const int threads : {1, 2}) {
+    const std::string out = folder / fmt::format("out-{}", threads);
+    run_into(campaign, out, {1, 2}, threads);
+    run_into(campaign, out, {0, 2}, threads);
+    merge_in(campaign, out);
+    EXPECT_EQ(contents(out), expected);
+  }
+}
+
+/// A chunk that one trial fills does not keep the other threads waiting.
+TEST(Campaign, ThreadsTakeTrialsOfSeveralChunks) {
+  const TemporaryFolder folder;
+  const Campaign campaign =
+      small_campaign(folder, "kind = 'small'\ntrials = 4\nchunk = 1\n[small]\n");
+  std::atomic<int> inside = 0;
+  std::atomic<int> most = 0;
+  // Each waits until all four are in their trials: a thread that had to wait for the end of a chunk
+  // would keep this test from ending.
+  before_trial() = [&](std::uint64_t) {
+    ++inside;
+    while (inside < 4) {
+      std::this_thread::yield();
+    }
+    most = std::max(most.load(), inside.load());
+  };
+  EXPECT_TRUE(run_into(campaign, folder / "out", {}, 4).whole());
+  before_trial() = [](std::uint64_t) {};
+  EXPECT_EQ(most, 4);
 }
 
 /// Trials of a number and beyond fail while one exists.

@@ -43,7 +43,7 @@ class CampaignGains : public ::testing::Test {
     const auto& columns = campaign.trials->columns();
     const auto found = std::ranges::find(columns, column, &Column::name);
     return std::get<Number>(
-        campaign.trials->run(trial).at(static_cast<std::size_t>(found - columns.begin())));
+        campaign.trials->run(trial, {}).row.at(static_cast<std::size_t>(found - columns.begin())));
   }
 
   TemporaryFolder folder_;

@@ -31,12 +31,12 @@ class CampaignMerge : public ::testing::Test {
   /// A chunk as a campaign of another plan or version would have written it here.
   std::string other_chunk(const std::string& plan, const std::string& version, int number) const {
     const Campaign other = small_campaign(folder_, plan, version);
-    std::vector<std::string> rows;
+    std::vector<TrialResult> results;
     const auto at = static_cast<std::uint64_t>(number);
     for (std::uint64_t i = other.plan.first(at); i < other.plan.first(at + 1); ++i) {
-      rows.push_back(csv_line(i, other.trials->run(i)));
+      results.push_back(other.trials->run(i, {}));
     }
-    return chunk_text(other, at, rows);
+    return chunk_text(other, at, results);
   }
 
   TemporaryFolder folder_;

@@ -39,10 +39,10 @@ class RisingTrials final : public Trials {
   }
   std::string_view main_column() const override { return "value_m"; }
   double cost_s() const override { return 1; }
-  Row run(std::uint64_t index) const override {
+  TrialResult run(std::uint64_t index, const Stop& /*stop*/) const override {
     const auto cause = static_cast<double>(index * 37 % 200);
-    return {index, cause, static_cast<double>(index * 59 % 7), index % 2 == 0 ? "a,\"b\"" : "c",
-            index == 13 ? no_number : cause * cause};
+    return {{index, cause, static_cast<double>(index * 59 % 7), index % 2 == 0 ? "a,\"b\"" : "c",
+             index == 13 ? no_number : cause * cause}};
   }
   std::string command(std::uint64_t index) const override { return fmt::format("run {}", index); }
 };
@@ -56,7 +56,7 @@ class CampaignReportOf : public ::testing::Test {
   static constexpr std::array kinds{Kind{"rising", read_rising}};
   CampaignReportOf() { run_into(campaign_, folder_ / "out"); }
   Report report(std::uint64_t most = 1000) const {
-    return make_report(campaign_, Folder::existing(campaign_, folder_ / "out"), most);
+    return make_report(campaign_, Folder::existing(campaign_, folder_ / "out"), false, most);
   }
 
   TemporaryFolder folder_;

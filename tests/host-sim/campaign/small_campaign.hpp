@@ -27,7 +27,8 @@ inline std::function<void(std::uint64_t)>& before_trial() {
 
 class SmallTrials final : public Trials {
  public:
-  explicit SmallTrials(std::uint64_t seed) : seed_(seed) {}
+  explicit SmallTrials(std::uint64_t seed, bool leave_files)
+      : seed_(seed), leave_files_(leave_files) {}
   const std::vector<Column>& columns() const override {
     static const std::vector<Column> all{
         {"seed", true}, {"class", true, true}, {"value_m", false}, {"maybe_s", false}};
@@ -35,23 +36,34 @@ class SmallTrials final : public Trials {
   }
   std::string_view main_column() const override { return "value_m"; }
   double cost_s() const override { return 1; }
-  Row run(std::uint64_t index) const override {
+  TrialResult run(std::uint64_t index, const Stop& /*stop*/) const override {
     before_trial()(index);
     const auto number = static_cast<double>(index);
-    return {seed_ + index, index % 3 == 0 ? "a, \"b\"" : "c", std::sin(number) / 3,
-            index % 2 == 0 ? std::numeric_limits<double>::quiet_NaN() : number};
+    TrialResult result{{seed_ + index, index % 3 == 0 ? "a, \"b\"" : "c", std::sin(number) / 3,
+                        index % 2 == 0 ? std::numeric_limits<double>::quiet_NaN() : number}};
+    if (leave_files_ && index % 50 == 0) {
+      result.files = {{fmt::format("{}.txt", index), left_text(index)},
+                      {fmt::format("{} empty", index), ""}};
+    }
+    return result;
   }
   std::string command(std::uint64_t index) const override { return fmt::format("run {}", index); }
 
+  /// A file that looks like parts of a chunk.
+  static std::string left_text(std::uint64_t index) {
+    return fmt::format("# file 3 a\n1,2\n\n# end: 70 rows, checksum {}\n", index);
+  }
+
  private:
   std::uint64_t seed_;
+  bool leave_files_;
 };
 
 inline std::unique_ptr<const Trials> read_small(KindTable& table) {
   if (table.keys().has("file")) {
     table.depends_on("file", table.keys().text("file"), table.path("file"));
   }
-  return std::make_unique<SmallTrials>(table.plan().seed);
+  return std::make_unique<SmallTrials>(table.plan().seed, table.keys().flag("with_notes", false));
 }
 
 inline constexpr std::array small_kinds{Kind{"small", read_small}};

@@ -22,14 +22,6 @@ using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 using Texts = Program::Texts;
 
-/// A bath run without resistance.
-std::string bath_file(double stress_MPa = 150) {
-  const Recording r;
-  return csv({{"temperature_degC", r.temperature_degC},
-              {"strain_ref", r.strain},
-              {"stress_MPa", std::vector<double>(r.strain.size(), stress_MPa)}});
-}
-
 /// A wire whose strain runs up and down ten times while it is heated once.
 std::string impossible_csv() {
   Recording r;
