@@ -39,8 +39,11 @@ void run_trial(const Campaign& campaign, std::int64_t trial) {
   }
   const EndBySignal end;
   const TrialResult result = campaign.trials->run(index, EndBySignal::came);
-  files::print(csv_head(campaign.trials->columns()) + csv_line(index, result.row));
-  files::complain("host-sim", "the same alone: " + campaign.trials->command(index));
+  files::print(row_text(campaign.trials->columns(), result.row));
+  const std::string command = campaign.trials->command(index);
+  if (!command.starts_with("host-sim campaign")) {
+    files::complain("host-sim", "more of it shows: " + command);
+  }
 }
 
 /// Joins the chunks, prints what their rows show, and writes it as a report.
@@ -97,9 +100,11 @@ void check_markdown(const Campaign& campaign, const std::string& path) {
     return;
   }
   const std::unique_ptr<const Table> table = campaign.trials->table();
-  if (!table) {
-    throw files::UserError(fmt::format("--markdown {}: there is no such table of the kind {}", path,
-                                       campaign.plan.kind));
+  if (!table || table->mark().empty()) {
+    throw files::UserError(
+        fmt::format("--markdown {}: the kind {} has no table for a Markdown file; scenarios and "
+                    "evaluate have one",
+                    path, campaign.plan.kind));
   }
   const evaluate::TableFile file(path, table->mark());
 }

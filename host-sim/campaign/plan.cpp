@@ -158,10 +158,11 @@ std::string differences(const Identity& there, const Identity& here) {
   for (const auto& [name, value] : here) {
     const std::string_view other = value_in(there, name);
     if (other != value) {
-      all.push_back(name.starts_with(file_mark)
-                        ? fmt::format("{} has another content", name)
-                        : fmt::format("{} is {} in the folder, {} here", name,
-                                      other.empty() ? "not given" : other, value));
+      const bool file = name.starts_with(file_mark);
+      all.push_back(file && other.empty() ? fmt::format("{} is not in the folder's plan", name)
+                    : file                ? fmt::format("{} has another content", name)
+                                          : fmt::format("{} is {} in the folder, {} here", name,
+                                         other.empty() ? "not given" : other, value));
     }
   }
   for (const auto& [name, value] : there) {

@@ -17,6 +17,8 @@ namespace {
 
 constexpr std::size_t most_worst = 10;
 constexpr double certain_deviations = 3;
+/// Of fewer trials the quantiles of 5 and 95 % are the least and the greatest value.
+constexpr std::size_t fewest_for_quantiles = 20;
 
 /// Cuts a line of a chunk into its cells.
 std::vector<std::string> cells_of(std::string_view line) {
@@ -167,6 +169,11 @@ files::TextTable quantile_table(const Gathered& all) {
     }
     files::TextTable::Row row{column.name, sorted.size()};
     for (const double share : {0.0, 0.05, 0.5, 0.95, 1.0}) {
+      const bool outer = share == 0.05 || share == 0.95;
+      if (outer && sorted.size() < fewest_for_quantiles) {
+        row.emplace_back("");
+        continue;
+      }
       const double at = share * static_cast<double>(sorted.size() - 1);
       row.emplace_back(sorted[static_cast<std::size_t>(std::lround(at))]);
     }
@@ -183,6 +190,9 @@ files::TextTable class_table(const Gathered& all, const std::string& main) {
       continue;
     }
     for (const auto& [name, values] : all.by_class(i)) {
+      if (name.empty()) {
+        continue;  // these trials have none
+      }
       files::TextTable::Row row{all.columns()[i].name + ": " + name, values.size()};
       const std::vector<double> sorted = sorted_numbers(values);
       if (!sorted.empty()) {
@@ -348,10 +358,12 @@ Report make_report(const Campaign& campaign, const Folder& folder, bool with_tab
 std::string report_text(const Campaign& campaign, const Report& report) {
   std::string text = statistics_title(campaign, report) + "\n\n";
   if (const std::string own = own_text(report); !own.empty()) {
-    text += own + "\nOf these trials:\n\n";
+    text += own + '\n';
   }
   text += report.quantiles.text();
-  text += "\n" + sensitivity_table(report).text() + "A star: " + certain_note + "\n";
+  if (!report.sensitivities.empty()) {
+    text += "\n" + sensitivity_table(report).text() + "A star: " + certain_note + "\n";
+  }
   text += report.classes.empty() ? "" : "\n" + report.classes.text();
   text += fmt::format("\nGreatest {}:\n", report.main);
   for (const WorstTrial& one : report.worst) {
@@ -371,8 +383,10 @@ void write_report(const std::string& path, const Campaign& campaign, const Repor
     html += report::plots_html({histogram(report)}, Units::bench);
   }
   html += "<h2>Quantiles</h2>\n" + report.quantiles.html();
-  html += fmt::format("<h2>Sensitivity</h2>\n{}<p class=\"caption\">Bold: {}</p>\n",
-                      sensitivity_table(report).html(), certain_note);
+  if (!report.sensitivities.empty()) {
+    html += fmt::format("<h2>Sensitivity</h2>\n{}<p class=\"caption\">Bold: {}</p>\n",
+                        sensitivity_table(report).html(), certain_note);
+  }
   html += "<h2>Classes</h2>\n" + report.classes.html();
   html += fmt::format("<h2>Greatest {}</h2>\n<ul>\n", files::escaped(report.main));
   for (const WorstTrial& one : report.worst) {

@@ -1,5 +1,6 @@
 #include "host-sim/campaign/trials.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -42,6 +43,19 @@ std::string shell_word(const std::string& word) {
     quoted += c == '\'' ? "'\\''" : std::string(1, c);
   }
   return quoted + '\'';
+}
+
+std::string row_text(const std::vector<Column>& columns, const Row& row) {
+  std::size_t width = 0;
+  for (const Column& column : columns) {
+    width = std::max(width, column.name.size());
+  }
+  std::string text;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const std::string cell = std::visit(AsText{}, row[i]);
+    text += cell.empty() ? "" : fmt::format("{:{}}  {}\n", columns[i].name, width, cell);
+  }
+  return text;
 }
 
 std::string csv_head(const std::vector<Column>& columns) {

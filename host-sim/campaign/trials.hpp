@@ -88,6 +88,9 @@ class Trials {
 /// something else.
 std::string shell_word(const std::string& word);
 
+/// A row for a person: a line with name and value for each cell that is not empty.
+std::string row_text(const std::vector<Column>& columns, const Row& row);
+
 /// The columns `trial` and those of the kind, as the first line of a table in CSV.
 std::string csv_head(const std::vector<Column>& columns);
 /// One line of CSV; numbers have as many digits as it takes to read the same bits again.

@@ -112,9 +112,8 @@ class Line {
   template <class Number>
   Number read(std::string_view cell) {
     Number value{};
-    const char* const end = cell.data() + cell.size();
-    const auto result = std::from_chars(cell.data(), end, value);
-    if (result.ec != std::errc{} || result.ptr != end) {
+    const auto result = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (result.ec != std::errc{} || result.ptr != cell.data() + cell.size()) {
       fail_at(cell);
     }
     return value;

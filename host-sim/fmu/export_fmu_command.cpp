@@ -55,9 +55,10 @@ void add_export_fmu_command(CLI::App& app) {
       "export-fmu",
       "Writes a wire, or the servo on it, as an FMU for Simulink, OpenModelica and others.");
   auto a = std::make_shared<ExportArguments>();
-  command->add_option("--wire", a->options.wire,
-                      "preset or file that ends in .toml; with --settings: the true wire, where it "
-                      "differs from theirs");
+  command->add_option(
+      "--wire", a->options.wire,
+      "preset or file that ends in .toml; with --settings: the wire that is driven, "
+      "if the device's is another");
   command->add_option("--kind", a->kind, "wire: the wire alone (default); servo: device and wire")
       ->check(CLI::IsMember({"wire", "servo"}));
   command->add_option("--fmi", a->fmi, "version of FMI: 2 or 3 (default)")

@@ -42,10 +42,11 @@ std::string content_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!file) {
-    throw files::UserError(
-        fmt::format("{}: cannot be read; it belongs to the package smaservo, and to the build as "
-                    "target smaservo_fmu",
-                    path.string()));
+    throw files::UserError(fmt::format(
+        "{}: cannot be read; the package smaservo brings it, a build makes it as target "
+        "smaservo_fmu. host-sim looks in ../lib/smaservo/fmu beside itself: do not move "
+        "the program alone",
+        path.string()));
   }
   return text;
 }

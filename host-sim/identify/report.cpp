@@ -33,6 +33,15 @@ std::string heading(const Identification& all) {
                                           : "");
 }
 
+std::string structure(const FitVariant& v) {
+  return fmt::format("{}, {}, {}, resistivities {}",
+                     v.separate_r2a ? "R2A on a surface of its own" : "R2A as M2A",
+                     v.separate_r2m ? "R2M on a surface of its own" : "R2M as A2M",
+                     v.memory == Memory::return_point ? "inner loops close at their return points"
+                                                      : "inner loops without memory",
+                     v.mixture == Mixture::series ? "in series" : "in parallel");
+}
+
 std::string circuit(const FitResult& fit) {
   if (!fit.circuit_fitted) {
     return "";
@@ -201,15 +210,6 @@ Json parameter_json(const FittedParameter& fitted) {
 
 }  // namespace
 
-std::string structure_text(const FitVariant& v) {
-  return fmt::format("{}, {}, {}, resistivities {}",
-                     v.separate_r2a ? "R2A on a surface of its own" : "R2A as M2A",
-                     v.separate_r2m ? "R2M on a surface of its own" : "R2M as A2M",
-                     v.memory == Memory::return_point ? "inner loops close at their return points"
-                                                      : "inner loops without memory",
-                     v.mixture == Mixture::series ? "in series" : "in parallel");
-}
-
 std::optional<double> joint_strain_rms(const FitResult& fit) {
   double sum = 0;
   double rows = 0;
@@ -229,7 +229,7 @@ double classic_rms(const ClassicFit& classic, const Run& run, double nominal_str
 std::string fit_summary(const Identification& all) {
   std::string text = heading(all) + "\n" + unit_of_errors(all) + "\n" + runs_table(all).text();
   text += heat_flows(all.fit) + joint_text(all.fit);
-  text += fmt::format("structure: {}\n", structure_text(all.fit.variant)) + circuit(all.fit);
+  text += fmt::format("structure: {}\n", structure(all.fit.variant)) + circuit(all.fit);
   const std::vector<std::string> found = parameters_text(all.fit, true);
   if (!found.empty()) {
     text += fmt::format("determined by these runs:\n  {}\n", fmt::join(found, "\n  "));
@@ -286,9 +286,8 @@ void write_fit_report(const std::string& path, const Identification& all, Units 
   std::string html =
       fmt::format("<p>{}</p>\n<p>{}</p>\n", files::escaped(heading(all)), unit_of_errors(all)) +
       runs_table(all).html();
-  for (const std::string& text :
-       {joint_text(all.fit), heat_flows(all.fit), "structure: " + structure_text(all.fit.variant),
-        circuit(all.fit)}) {
+  for (const std::string& text : {joint_text(all.fit), heat_flows(all.fit),
+                                  "structure: " + structure(all.fit.variant), circuit(all.fit)}) {
     html += text.empty() ? "" : fmt::format("<p>{}</p>\n", files::escaped(text));
   }
   html += report::plots_html(fit_panels(all.fit, all.runs), units);

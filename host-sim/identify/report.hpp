@@ -29,9 +29,6 @@ std::optional<double> joint_strain_rms(const FitResult& fit);
 /// RMS of a classic function as a share of the nominal stroke, like that of the fit.
 double classic_rms(const ClassicFit& classic, const Run& run, double nominal_stroke);
 
-/// "R2A as M2A, R2M as A2M, inner loops close at their return points, resistivities in series"
-std::string structure_text(const FitVariant& variant);
-
 /// The result as text for a terminal.
 std::string fit_summary(const Identification& all);
 

@@ -226,7 +226,7 @@ std::vector<std::string> names_of(KindTable& table, std::string_view key,
 
 std::unique_ptr<const Trials> read_evaluate(KindTable& table) {
   constexpr double most_runs = 100'000;
-  constexpr double greatest_unit = 1e9;
+  constexpr std::uint64_t greatest_unit = 1'000'000'000;
   std::vector<std::string> rows;
   for (const evaluate::EvaluationRow& row : evaluate::evaluation_rows()) {
     rows.emplace_back(row.name);
@@ -241,9 +241,9 @@ std::unique_ptr<const Trials> read_evaluate(KindTable& table) {
                   static_cast<int>(table.whole("runs", 0, most_runs, 0)),
                   table.keys().has("wires") ? table.path("wires") : ""};
   const Plan& plan = table.plan();
-  if (static_cast<double>(plan.seed + plan.trials / judging.families.size()) > greatest_unit) {
+  if (plan.seed + plan.trials / judging.families.size() > greatest_unit) {
     table.keys().fail("families",
-                      fmt::format("the seed of the last unit would be above {:g}; give a smaller "
+                      fmt::format("the seed of the last unit would be above {}; give a smaller "
                                   "seed, or fewer trials",
                                   greatest_unit));
   }

@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr double fit_cost_s = 90;
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* converged = "converged";
 /// A piece's own wire, from which its fit starts, in its folder.
 constexpr const char* own_wire = "wire.toml";
 
@@ -69,15 +70,32 @@ std::string column_name(const identify::FitParameter& parameter) {
   return name.starts_with("wire.") ? name.substr(5) : name;
 }
 
+/// The pieces that need somebody's attention.
+class LotTable final : public Table {
+ public:
+  void add(const std::vector<std::string>& cells) override {
+    if (cells.at(1) != converged) {
+      found_ += fmt::format("{}: {}{}{}\n", cells.at(0), cells.at(1),
+                            cells.at(2).empty() ? "" : ": ", cells.at(2));
+    }
+  }
+  void add(const TrialFile& /*file*/) override {}
+  std::string text() const override { return found_; }
+  std::string markdown() const override { return ""; }
+  std::string_view mark() const override { return ""; }
+
+ private:
+  std::string found_;
+};
+
 class Lot final : public Trials {
  public:
   Lot(HowIdentified how, std::vector<Piece> pieces)
       : how_(std::move(how)), pieces_(std::move(pieces)) {
-    columns_ = {{"piece", true, true, true},
-                {"outcome", false, true},
-                {"problem", false, true, true},
-                {"strain_rms_percent", false},
-                {"structure", false, true}};
+    columns_ = {{"piece", true, true, true},    {"outcome", false, true},
+                {"problem", false, true, true}, {"strain_rms_percent", false},
+                {"separate_r2a", false, true},  {"separate_r2m", false, true},
+                {"memory", false, true},        {"mixture", false, true}};
     for (const identify::FitParameter& parameter : all_parameters(how_, pieces_.front())) {
       keys_.push_back(parameter.key);
       columns_.push_back({column_name(parameter), false});
@@ -102,9 +120,11 @@ class Lot final : public Trials {
       // One piece with a bad record does not keep the others from being identified.
       std::string problem = files::printable(error.what());
       std::ranges::replace(problem, '\n', ' ');
-      return {row_of(piece, "refused", std::move(problem), no_value, "", {})};
+      return {row_of(piece, "refused", std::move(problem), {})};
     }
   }
+
+  std::unique_ptr<Table> table() const override { return std::make_unique<LotTable>(); }
 
   std::string command(std::uint64_t index) const override {
     const Piece& piece = pieces_.at(static_cast<std::size_t>(index));
@@ -133,6 +153,9 @@ class Lot final : public Trials {
       reading.stress_Pa = 1e6 * *how_.stress_MPa;
     }
     reading.trace.renames = how_.columns;
+    if (piece.runs.empty()) {
+      throw files::UserError("its folder has no files of runs");
+    }
     std::vector<identify::Run> runs;
     runs.reserve(piece.runs.size());
     for (const RunFile& file : piece.runs) {
@@ -146,23 +169,31 @@ class Lot final : public Trials {
       throw Stopped();
     }
     const files::WireDescription wire = identify::fitted_wire(from, fit, piece.name);
-    const std::optional<double> rms = identify::joint_strain_rms(fit);
-    return {
-        row_of(piece, fit.converged ? "converged" : "not converged", "",
-               rms ? 100 * *rms : no_value, identify::structure_text(fit.variant), fit.parameters),
-        {{piece.name + ".toml", files::to_toml(wire)}}};
+    return {row_of(piece, fit.converged ? converged : "not converged", "", fit),
+            {{piece.name + ".toml", files::to_toml(wire)}}};
   }
 
+  /// Without a fit its cells are empty.
   Row row_of(const Piece& piece, const std::string& outcome, std::string problem,
-             double rms_percent, const std::string& structure,
-             const std::vector<identify::FittedParameter>& parameters) const {
+             const std::optional<identify::FitResult>& fit) const {
+    Row row{piece.name, outcome, std::move(problem)};
+    if (fit) {
+      const std::optional<double> rms = identify::joint_strain_rms(*fit);
+      const identify::FitVariant& v = fit->variant;
+      row.insert(row.end(),
+                 {rms ? 100 * *rms : no_value, yes_or_no(v.separate_r2a), yes_or_no(v.separate_r2m),
+                  v.memory == Memory::return_point ? "return-point" : "plain",
+                  v.mixture == Mixture::series ? "series" : "parallel"});
+    } else {
+      row.insert(row.end(), {no_value, "", "", "", ""});
+    }
     std::map<std::string, identify::Figure> found;
-    for (const identify::FittedParameter& one : parameters) {
+    for (const identify::FittedParameter& one :
+         fit ? fit->parameters : std::vector<identify::FittedParameter>()) {
       if (one.determined) {
         found.emplace(one.parameter.key, identify::figure(one));
       }
     }
-    Row row{piece.name, outcome, std::move(problem), rms_percent, structure};
     for (const std::string& key : keys_) {
       const auto at = found.find(key);
       row.emplace_back(at == found.end() ? no_value : at->second.value);
@@ -207,9 +238,6 @@ Piece piece_of(KindTable& table, const std::string& folder, const HowIdentified&
     } else if (fs::is_regular_file(path)) {
       piece.runs.push_back({path.string(), table.depends_on("folder", name, path.string())});
     }
-  }
-  if (piece.runs.empty()) {
-    table.keys().fail("folder", fmt::format("{} has no files of runs", folder));
   }
   // With its settings, and whatever other wire the file is based on.
   table.depends_on_text("start of " + piece.name, files::to_toml(how.start(piece)));

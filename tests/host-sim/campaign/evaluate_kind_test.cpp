@@ -144,7 +144,7 @@ TEST_F(CampaignEvaluate, PlansThatCannotBeRunAreRefused) {
   EXPECT_THAT(refusal("runs = -1\n"), HasSubstr("runs"));
   EXPECT_THAT(refusal("units = 3\n"), HasSubstr("units"));
   EXPECT_THAT(refusal("", "seed = 1\n"), HasSubstr("trials"));
-  EXPECT_THAT(refusal("", "trials = 2\nseed = 1000000001\n"), HasSubstr("above 1e+09"));
+  EXPECT_THAT(refusal("", "trials = 2\nseed = 1000000001\n"), HasSubstr("above 1000000000"));
   EXPECT_THAT(refusal("wires = '" + golden_wires() + "'\n", "trials = 3\nseed = 1000\n"),
               HasSubstr("ihyp-1001.toml"));
 }

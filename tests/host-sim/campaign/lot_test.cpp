@@ -15,7 +15,7 @@ using smaservo::test::bath_file;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// Two pieces with a run each, and one whose run does not move.
+/// Two pieces with a run each, one whose run does not move, and one without runs.
 class CampaignLot : public ::testing::Test {
  protected:
   CampaignLot() {
@@ -24,6 +24,7 @@ class CampaignLot : public ::testing::Test {
     std::filesystem::create_directory(folder() / "lot/c3");
     folder().write("lot/c3/still.csv", still_file());
     folder().write("lot/notes.txt", "no piece");
+    std::filesystem::create_directory(folder() / "lot/d4");
   }
 
   const TemporaryFolder& folder() const { return program_.folder(); }
@@ -55,7 +56,7 @@ class CampaignLot : public ::testing::Test {
 /// What `identify` finds and writes of a piece, and the table's row of it, are the same.
 TEST_F(CampaignLot, APieceIsWhatIdentifyFinds) {
   const Campaign campaign = read();
-  ASSERT_EQ(campaign.plan.trials, 3U) << "as many as there are folders";
+  ASSERT_EQ(campaign.plan.trials, 4U) << "as many as there are folders";
   const std::string out = folder() / "out";
   run_into(campaign, out, {1, 2});
   run_into(campaign, out, {0, 2}, 2);
@@ -69,14 +70,17 @@ TEST_F(CampaignLot, APieceIsWhatIdentifyFinds) {
   }
   EXPECT_FALSE(std::filesystem::exists(out + "/files/c3.toml"));
   const std::string rows = file_text(out + "/trials.csv");
-  EXPECT_THAT(rows, AllOf(HasSubstr("trial,piece,outcome,problem,strain_rms_percent,structure,"
-                                    "m2a.temperature_degC,m2a.temperature_degC_sd,"),
-                          HasSubstr("\n0,a1,converged,,"), HasSubstr("\n1,b 2,converged,,"),
-                          HasSubstr("\n2,c3,refused,"), HasSubstr("still.csv")));
+  EXPECT_THAT(
+      rows,
+      AllOf(HasSubstr("trial,piece,outcome,problem,strain_rms_percent,separate_r2a,separate_r2m,"
+                      "memory,mixture,m2a.temperature_degC,m2a.temperature_degC_sd,"),
+            HasSubstr("\n0,a1,converged,,"), HasSubstr("\n1,b 2,converged,,"),
+            HasSubstr("\n2,c3,refused,"), HasSubstr("still.csv")));
   const std::string text =
       report_text(campaign, make_report(campaign, Folder::existing(campaign, out)));
-  EXPECT_THAT(text, AllOf(HasSubstr("outcome: refused"), HasSubstr("m2a.temperature_degC"),
-                          HasSubstr("'b 2.toml'")));
+  EXPECT_THAT(text, AllOf(HasSubstr("outcome: refused"), HasSubstr("c3: refused: "),
+                          HasSubstr("d4: refused: its folder has no files of runs\n"),
+                          HasSubstr("m2a.temperature_degC"), HasSubstr("'b 2.toml'")));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("_sd"))) << "those are in the table alone";
   EXPECT_THAT(text, ::testing::Not(HasSubstr("piece: a1"))) << "a name is no class";
 }
@@ -113,13 +117,11 @@ TEST_F(CampaignLot, FilesThatChangeEndTheCampaign) {
 }
 
 TEST_F(CampaignLot, PlansThatCannotBeRunAreRefused) {
-  EXPECT_THAT(refusal("", "trials = 4\n"), HasSubstr("must not be above 3"));
+  EXPECT_THAT(refusal("", "trials = 5\n"), HasSubstr("must not be above 4"));
   EXPECT_EQ(read("", "trials = 2\n").plan.trials, 2U);
   EXPECT_THAT(refusal("load_N = 1\nstress_MPa = 1\n"), HasSubstr("load_N"));
   EXPECT_THAT(refusal("set = ['wire.length=1']\n"), HasSubstr("wire.length"));
   EXPECT_THAT(refusal("circuits = true\n"), HasSubstr("circuits"));
-  std::filesystem::create_directory(folder() / "lot/d4");
-  EXPECT_THAT(refusal(""), AllOf(HasSubstr("d4"), HasSubstr("no files of runs")));
   std::filesystem::create_directory(folder() / "lot/e\n5");
   EXPECT_THAT(refusal(""), HasSubstr("control character"));
   std::filesystem::remove_all(folder() / "lot");

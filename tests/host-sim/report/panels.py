@@ -28,7 +28,8 @@ from PIL import Image
 
 WIDTH = 1100
 PROGRAMS = ("chromium", "firefox-esr", "node", "npm", "pdftotext")
-KINDS = ("replay", "inspect", "simulate", "tune", "figures", "can step", "calibrate-plan", "identify", "compare")
+KINDS = ("replay", "inspect", "simulate", "tune", "figures", "can step", "calibrate-plan", "identify", "compare",
+         "campaign")
 # What a browser may do differently it does so for a type of panel, and these have all types.
 KINDS_OF = {"chromium": KINDS, "firefox": ("replay", "inspect", "simulate", "tune", "figures")}
 PRINTED = {"chromium": KINDS, "firefox": ("figures",)}  # of pictures, some below a plot and some not
@@ -97,6 +98,7 @@ def write_report(kind, host_sim, smaservod, sources, folder):
                            "--duration-s", "20", "--out", "plan.csv"],
         "identify": ["identify", "--from", "smartflex-76um", "--out", "wire.toml", "heated.csv"],
         "compare": ["compare", "--train", "train.csv", "--test", "test.csv", "--out", "compare.json"],
+        "campaign": ["campaign", "campaign.toml", "--out", "campaign"],
     }
     page = folder / f"{kind.replace(' ', '-')}.html"
     if kind == "can step":
@@ -109,6 +111,9 @@ def write_report(kind, host_sim, smaservod, sources, folder):
         command = [*commands[kind], "--report", page]
     if kind == "identify":
         (folder / "heated.csv").write_text(excerpt(traces / "50MPa.csv", 1000, 10))
+    if kind == "campaign":
+        (folder / "campaign.toml").write_text("kind = 'gains'\ntrials = 6\n[gains]\nscenario = "
+                                              f"'{sources}/host-sim/scenarios/steps.toml'\n")
     if kind == "compare":
         bath(folder, "train.csv", 150)
         bath(folder, "test.csv", 140)
