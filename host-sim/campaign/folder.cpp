@@ -143,6 +143,15 @@ std::vector<std::string> Folder::strangers(const Campaign& campaign) const {
   return names;
 }
 
+void Folder::remove_left_overs(const Shard& shard) const {
+  files::remove_left_overs((fs::path(path_) / chunks_name).string(), [&](const std::string& name) {
+    std::uint64_t number = 0;
+    const auto read = std::from_chars(name.data(), name.data() + name.size(), number);
+    return read.ec == std::errc{} && number % shard.count == shard.index &&
+           name.starts_with(fmt::format("{:06}.csv.", number));
+  });
+}
+
 hal::Descriptor Folder::lock(const Shard& shard) const {
   const std::string path =
       (fs::path(path_) / fmt::format("lock-{}-of-{}", shard.index, shard.count)).string();

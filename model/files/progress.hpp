@@ -30,7 +30,8 @@ class Forecast {
 
 /// Shows the share that is done and the time left: on a terminal as one line that is redrawn after
 /// half a second and then each second, and removed at the end; elsewhere, as in the log of
-/// continuous integration, as a line every 10 s. A thread of its own shows it, so that it is shown
+/// continuous integration, as a line every 10 s, and of work that takes longer than five minutes
+/// every thirtieth of the time so far. A thread of its own shows it, so that it is shown
 /// also while one long part goes on.
 class Progress {
  public:
