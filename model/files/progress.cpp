@@ -24,12 +24,11 @@ struct Pace {
 constexpr Pace on_a_terminal{milliseconds(500), milliseconds(1000)};
 constexpr Pace elsewhere{milliseconds(10'000), milliseconds(10'000)};
 
-/// Until the next line of a log, which would have thousands of lines of long work otherwise.
-Clock::duration pause_after(Clock::duration elapsed) {
-  return std::max<Clock::duration>(elsewhere.then, elapsed / 30);
-}
-
 }  // namespace
+
+std::chrono::milliseconds pause_in_a_log(std::chrono::milliseconds elapsed) {
+  return std::max(elsewhere.then, elapsed / 30);
+}
 
 std::string duration_text(double seconds) {
   const long whole = std::lround(std::min(seconds, 1e9));
@@ -101,7 +100,10 @@ void Progress::show(const std::stop_token& stop) noexcept {
       }
       shown = true;
       // A program that stood still makes up for nothing.
-      due = std::max(due + (terminal ? pace.then : pause_after(now - start)), now);
+      due = std::max(
+          due + (terminal ? pace.then
+                          : pause_in_a_log(std::chrono::duration_cast<milliseconds>(now - start))),
+          now);
     }
     if (shown && terminal) {
       redraw("");

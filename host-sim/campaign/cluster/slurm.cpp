@@ -106,8 +106,9 @@ std::string own_program() {
   return path.string();
 }
 
+/// A dash is the standard output: of a job, its log.
 std::string absolute(const std::string& path) {
-  return path.empty() ? path : std::filesystem::absolute(path).string();
+  return path.empty() || path == "-" ? path : std::filesystem::absolute(path).string();
 }
 
 std::string merge_options(const std::string& job) {
