@@ -74,7 +74,9 @@ def begin():
     for name in ("slurmctld", "slurmd", "sbatch", "munged", "unshare", "ip"):
         if not shutil.which(name, path=f"{os.environ['PATH']}:/usr/sbin:/sbin"):
             skip(f"{name} is missing; packages slurm-wlm, munge, util-linux, iproute2")
-    alone = ["unshare", "--net", "--mount", "--pid", "--uts", "--fork", "--kill-child", "--mount-proc"]
+    # All ends with this process, and in the namespaces with their first one.
+    alone = ["setpriv", "--pdeathsig", "KILL", "unshare", "--net", "--mount", "--pid", "--uts", "--fork",
+             "--kill-child", "--mount-proc"]
     tried = subprocess.run([*alone, "ip", "link", "add", "here", "type", "veth", "peer", "name", "there"],
                            capture_output=True, text=True)
     if tried.returncode != 0:
@@ -108,7 +110,7 @@ def checked(*words, **options):
 
 class Cluster:
     def __init__(self, place):
-        self.place, self.nodes = place, {}
+        self.place, self.nodes, self.daemons = place, {}, []
         subprocess.run(["mount", "-t", "tmpfs", "-o", "size=200m,mode=755", "none", place], check=True)
         # Before the nodes take their copies of all mounts.
         (place / "full").mkdir()
@@ -133,15 +135,22 @@ class Cluster:
         self.start("munged", "--force", "--foreground", "--origin=127.0.0.1", f"--socket={munge}/socket",
                    f"--key-file={key}", f"--pid-file={munge}/pid", f"--log-file={munge}/log",
                    f"--seed-file={munge}/seed")
-        becomes("munged answers", lambda: run("munge", f"--socket={munge}/socket", "--no-input").returncode == 0)
+        becomes("munged answers", lambda: self.lives() and run(
+            "munge", f"--socket={munge}/socket", "--no-input").returncode == 0)
         self.start("slurmctld", "-D")
         for name in NODES:
             self.start_node(name)
-        becomes("both nodes are idle", lambda: checked_states() == ["idle", "idle"])
+        becomes("both nodes are idle", lambda: self.lives() and node_states() == ["idle", "idle"])
 
     def start(self, *words):
         with (self.place / "daemons.out").open("a") as out:
-            return subprocess.Popen(words, stdout=out, stderr=out, stdin=subprocess.DEVNULL)
+            self.daemons.append(subprocess.Popen(words, stdout=out, stderr=out, stdin=subprocess.DEVNULL))
+        return self.daemons[-1]
+
+    def lives(self):
+        ended = [daemon.args for daemon in self.daemons if daemon.poll() is not None]
+        assert not ended, f"{ended} has ended:\n{(self.place / 'daemons.out').read_text()[-3000:]}\n{self.logs()}"
+        return True
 
     def start_node(self, name):
         self.nodes[name] = self.start(
@@ -162,7 +171,7 @@ class Cluster:
         return text
 
 
-def checked_states():
+def node_states():
     listed = run("sinfo", "-h", "-N", "-o", "%t")
     return listed.stdout.split() if listed.returncode == 0 else []
 
@@ -278,7 +287,7 @@ def test(cluster):
     checked("scontrol", "update", "NodeName=n1", "State=DOWN", "Reason=lost")
     becomes("its tasks wait", lambda: state(f"{lost.shards}_{killed}") == {"PENDING"})
     cluster.start_node("n1")
-    becomes("it is back", lambda: set(checked_states()) <= {"idle", "mix", "alloc"})
+    becomes("it is back", lambda: node_states() and set(node_states()) <= {"idle", "mix", "alloc"})
     lost.ends_well()
     assert lost.restarts(killed) == 1 and lost.restarts(moved) == 1
     expect_same(lost.folder, reference)
