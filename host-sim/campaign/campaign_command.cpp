@@ -7,6 +7,7 @@
 #include <optional>
 #include <thread>
 
+#include "host-sim/campaign/cluster/slurm.hpp"
 #include "host-sim/campaign/kinds/kinds.hpp"
 #include "host-sim/campaign/merge.hpp"
 #include "host-sim/campaign/report.hpp"
@@ -28,6 +29,8 @@ struct CampaignArguments {
   std::optional<std::int64_t> trial;
   int threads = 1;
   bool merge = false;
+  bool slurm = false, no_submit = false, threads_are_given = false;
+  std::optional<std::uint64_t> tasks;
 };
 
 /// Prints one trial, with the command that shows more of it.
@@ -133,9 +136,32 @@ void run(const CampaignArguments& a) {
     finish(campaign, folder, a);
     files::print(fmt::format("\n{} trials in {}\n", campaign.plan.trials,
                              files::printable(folder.trials_path())));
+  } else if (a.slurm) {
+    // This computer's processors say nothing about those of the cluster.
+    run_on_slurm(campaign, {.out = a.out,
+                            .report = a.report,
+                            .tasks = a.tasks,
+                            .threads = a.threads_are_given ? a.threads : 1,
+                            .submit = !a.no_submit});
   } else {
     run_all(campaign, a);
   }
+}
+
+/// Options that give the work to Slurm instead.
+void add_slurm_options(CLI::App& command, CampaignArguments& a) {
+  CLI::Option* const slurm =
+      command.add_flag("--slurm", a.slurm,
+                       "computes nothing here: submits an array of tasks and the merge to Slurm; "
+                       "--threads are processors of a task, 1 if not given");
+  slurm->excludes("--shard", "--merge", "--trial", "--markdown");
+  command.add_option("--tasks", a.tasks, "number of Slurm's tasks; if not given, up to 100")
+      ->check(CLI::Range(std::uint64_t{1}, most_slurm_tasks))
+      ->needs(slurm);
+  command
+      .add_flag("--no-submit", a.no_submit,
+                "only writes the scripts for sbatch into the folder, to be edited")
+      ->needs(slurm);
 }
 
 }  // namespace
@@ -167,7 +193,11 @@ void add_campaign_command(CLI::App& app) {
       ->add_option("--trial", a->trial,
                    "runs one trial by its number, and prints its row; no --out")
       ->excludes("--out", "--shard", "--merge", "--report", "--markdown");
-  command->callback([a] { run(*a); });
+  add_slurm_options(*command, *a);
+  command->callback([a, command] {
+    a->threads_are_given = command->count("--threads") > 0;
+    run(*a);
+  });
 }
 
 }  // namespace smaservo::campaign

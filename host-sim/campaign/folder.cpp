@@ -100,8 +100,6 @@ Folder Folder::prepared(const Campaign& campaign, const std::string& path) {
             "--out {}: holds other files, such as {}; give a new or an empty folder", path, name));
       }
     }
-  } else {
-    check_identity(campaign, path);
   }
   Folder folder(path);
   files::prepare_folder("--out", (fs::path(path) / chunks_name).string());
@@ -109,13 +107,13 @@ Folder Folder::prepared(const Campaign& campaign, const std::string& path) {
     // Of two plans that begin at the same time, the second one finds the first one's identity.
     const hal::Descriptor held = lock_file((fs::path(path) / "lock-begin").string());
     flock(held.number(), LOCK_EX);
-    if (has_identity(path)) {
-      check_identity(campaign, path);
-    } else {
+    if (!has_identity(path)) {
       write_file(fs::path(path) / plan_name, campaign.plan.text);
       write_file(fs::path(path) / identity_name, identity_text(campaign.plan));
     }
   }
+  // At any moment since the first look another one may have written it.
+  check_identity(campaign, path);
   return folder;
 }
 
@@ -147,6 +145,15 @@ std::vector<std::string> Folder::strangers(const Campaign& campaign) const {
   }
   std::ranges::sort(names);
   return names;
+}
+
+void Folder::remove_left_overs(const Shard& shard) const {
+  files::remove_left_overs((fs::path(path_) / chunks_name).string(), [&](const std::string& name) {
+    std::uint64_t number = 0;
+    const auto read = std::from_chars(name.data(), name.data() + name.size(), number);
+    return read.ec == std::errc{} && number % shard.count == shard.index &&
+           name.starts_with(fmt::format("{:06}.csv.", number));
+  });
 }
 
 hal::Descriptor Folder::lock(const Shard& shard) const {

@@ -37,6 +37,10 @@ class Folder {
   /// The names in the folder of chunks that are neither a chunk's of this campaign nor those of
   /// partial files, sorted.
   std::vector<std::string> strangers(const Campaign& campaign) const;
+  /// Removes what killed processes have left of the shard's chunks. A chunk is written within a
+  /// second when it is computed, and partial files of the last hour are kept: so none of a process
+  /// that lives is removed, even where no locks are seen.
+  void remove_left_overs(const Shard& shard) const;
   /// Keeps other processes from the same shard until the result is destroyed. Throws UserError if
   /// one has it. A file system without locks locks nothing: then work is done twice, but nothing
   /// is spoilt, since chunks appear whole and both processes write the same bytes.

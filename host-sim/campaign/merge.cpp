@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "host-sim/shell_word.hpp"
 #include "model/files/error.hpp"
 #include "model/files/output_file.hpp"
 

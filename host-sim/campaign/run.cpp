@@ -138,6 +138,7 @@ class ShardRun {
 
 RunResult run_campaign(const Campaign& campaign, const Folder& folder, const RunOptions& options) {
   const hal::Descriptor lock = folder.lock(options.shard);
+  folder.remove_left_overs(options.shard);
   return ShardRun(campaign, folder, options).run();
 }
 

@@ -32,19 +32,6 @@ std::string yes_or_no(bool value) {
   return value ? "true" : "false";
 }
 
-std::string shell_word(const std::string& word) {
-  constexpr std::string_view plain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=+:,";
-  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) {
-    return word;
-  }
-  std::string quoted = "'";
-  for (const char c : word) {
-    quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  }
-  return quoted + '\'';
-}
-
 std::string row_text(const std::vector<Column>& columns, const Row& row) {
   std::size_t width = 0;
   for (const Column& column : columns) {

@@ -84,10 +84,6 @@ class Trials {
   virtual std::unique_ptr<Table> table() const { return nullptr; }
 };
 
-/// The word as a shell reads it: in quotes where it would otherwise be taken for two, or for
-/// something else.
-std::string shell_word(const std::string& word);
-
 /// A row for a person: a line with name and value for each cell that is not empty.
 std::string row_text(const std::vector<Column>& columns, const Row& row);
 

@@ -1,10 +1,15 @@
 #include "model/files/output_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <chrono>
+#include <climits>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
+#include <functional>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -17,6 +22,9 @@ namespace smaservo::files {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::string_view partial_end = ".part";
+constexpr std::chrono::hours left_over_age{1};
 
 /// Whether the open file is still the one that has this name.
 bool is_named(int file, const std::string& path) {
@@ -42,7 +50,7 @@ bool remove_left_over(const std::string& beside) {
   return removed;
 }
 
-/// Creates and locks a new file. Its name contains the process number, but every program in a
+/// Creates and locks a new file. Its name contains host and process number, but every program in a
 /// container may be number 1: therefore an existing file of that name is examined first.
 int create_locked(const std::string& beside) {
   for (int tries = 0; tries < 10; ++tries) {
@@ -64,7 +72,26 @@ int create_locked(const std::string& beside) {
   return -1;
 }
 
+/// Of this computer; what a file's name cannot hold is replaced.
+std::string host_name() {
+  std::array<char, HOST_NAME_MAX + 1> name{};
+  gethostname(name.data(), name.size() - 1);
+  std::string host(name.data());
+  std::ranges::replace(host, '/', '_');
+  return host;
+}
+
 }  // namespace
+
+std::string partial_path(const std::string& path, std::string host, long process) {
+  const std::string end = fmt::format(".{}{}", process, partial_end);
+  const std::size_t taken = fs::path(path).filename().string().size() + 1 + end.size();
+  const std::size_t room = taken < NAME_MAX ? NAME_MAX - taken : 0;
+  // Computers of one group differ in the first label of their names, and there mostly at its end.
+  host.resize(std::min(host.size(), host.find('.')));
+  host.erase(0, host.size() - std::min(host.size(), room));
+  return host.empty() ? path + end : fmt::format("{}.{}{}", path, host, end);
+}
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   if (path_ == "-") {
@@ -82,7 +109,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   }
   // If the path is a link, the file that it points to is replaced, not the link.
   target_ = fs::is_symlink(path_, ignored) ? fs::weakly_canonical(path_).string() : path_;
-  const std::string beside = fmt::format("{}.{}.part", target_, getpid());
+  const std::string beside = partial_path(target_, host_name(), getpid());
   const int file = create_locked(beside);
   if (file < 0 && errno == EWOULDBLOCK) {
     throw UserError(fmt::format("{}: cannot be written: is being written at the same time", path_));
@@ -139,6 +166,22 @@ void OutputFile::commit() {
 
 void OutputFile::fail(const char* what) const {
   throw UserError(fmt::format("{}: {}: {}", path_, what, std::strerror(errno)));
+}
+
+void remove_left_overs(const std::string& folder,
+                       const std::function<bool(const std::string& name)>& wanted) {
+  std::error_code ignored;
+  const auto now = fs::file_time_type::clock::now();
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.ends_with(partial_end) || !wanted(name)) {
+      continue;
+    }
+    const fs::file_time_type written = entry.last_write_time(ignored);
+    if (!ignored && written < now - left_over_age) {
+      remove_left_over(entry.path().string());
+    }
+  }
 }
 
 bool sync_folder_of(const std::string& path) {

@@ -26,6 +26,10 @@ constexpr Pace elsewhere{milliseconds(10'000), milliseconds(10'000)};
 
 }  // namespace
 
+std::chrono::milliseconds pause_in_a_log(std::chrono::milliseconds elapsed) {
+  return std::max(elsewhere.then, elapsed / 30);
+}
+
 std::string duration_text(double seconds) {
   const long whole = std::lround(std::min(seconds, 1e9));
   if (whole < 100) {
@@ -96,7 +100,10 @@ void Progress::show(const std::stop_token& stop) noexcept {
       }
       shown = true;
       // A program that stood still makes up for nothing.
-      due = std::max(due + pace.then, now);
+      due = std::max(
+          due + (terminal ? pace.then
+                          : pause_in_a_log(std::chrono::duration_cast<milliseconds>(now - start))),
+          now);
     }
     if (shown && terminal) {
       redraw("");

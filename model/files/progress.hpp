@@ -3,6 +3,7 @@
 // short work shows nothing.
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
@@ -15,6 +16,10 @@ namespace smaservo::files {
 
 /// A time as people say it: "45 s", "12 min", "1 h 05 min".
 std::string duration_text(double seconds);
+
+/// Until the next line of a log, after work has taken so long: else long work would write thousands
+/// of lines.
+std::chrono::milliseconds pause_in_a_log(std::chrono::milliseconds elapsed);
 
 /// The text of a moment: "fit: 34 %, 2 min left". While nothing is done there is no forecast:
 /// "fit: 12 s so far".
@@ -30,7 +35,8 @@ class Forecast {
 
 /// Shows the share that is done and the time left: on a terminal as one line that is redrawn after
 /// half a second and then each second, and removed at the end; elsewhere, as in the log of
-/// continuous integration, as a line every 10 s. A thread of its own shows it, so that it is shown
+/// continuous integration, as a line every 10 s, and of work that takes longer than five minutes
+/// every thirtieth of the time so far. A thread of its own shows it, so that it is shown
 /// also while one long part goes on.
 class Progress {
  public:

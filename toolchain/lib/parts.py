@@ -64,7 +64,7 @@ NO_PAGES = [':!host-sim/page/front']
 TESTS_AND_PYTHON = ['tests', ':!tests/*.js', ':!tests/*.sh', ':!tests/*.md', ':!tests/*.json']
 TESTS = [*TESTS_AND_PYTHON, ':!tests/*.py']
 OF_RELEASE = [f':!tests/{name}' for name in (
-    'library/*.py', 'bench/*.py', 'python/notebooks*.py', 'python/types_test.py', 'python/wheel_test.py')]
+    'library/*.py', 'bench/*.py', 'host-sim/campaign/cluster/*.py', 'python/notebooks*.py', 'python/types_test.py', 'python/wheel_test.py')]
 CAN_PROGRAMS = ['host-sim', 'smaservod', 'can_socket_tests']
 GUESTS = ['tests/board', 'tests/can/device.toml', 'host-sim/scenarios', 'toolchain/board', 'toolchain/can/uml']
 

@@ -13,6 +13,7 @@
 #include "host-sim/evaluate/runs_file.hpp"
 #include "host-sim/evaluate/table.hpp"
 #include "host-sim/replay/observers.hpp"
+#include "host-sim/shell_word.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::campaign {

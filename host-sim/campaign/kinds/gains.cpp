@@ -9,6 +9,7 @@
 #include "host-sim/campaign/kinds/drawn_units.hpp"
 #include "host-sim/campaign/kinds/kinds.hpp"
 #include "host-sim/report/step_figures.hpp"
+#include "host-sim/shell_word.hpp"
 #include "host-sim/simulate/closed_loop_run.hpp"
 #include "model/files/error.hpp"
 

@@ -13,6 +13,7 @@
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"
 #include "host-sim/identify/runs/run.hpp"
+#include "host-sim/shell_word.hpp"
 #include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
 #include "model/files/message.hpp"

@@ -9,6 +9,7 @@
 #include "host-sim/campaign/kinds/kinds.hpp"
 #include "host-sim/evaluate/closed_loop/hottest.hpp"
 #include "host-sim/evaluate/runs/calibrate.hpp"
+#include "host-sim/shell_word.hpp"
 #include "model/files/error.hpp"
 #include "model/files/toml/toml_fields.hpp"
 

@@ -4,6 +4,7 @@
 
 #include "host-sim/campaign/kinds/kinds.hpp"
 #include "host-sim/campaign/report.hpp"
+#include "host-sim/shell_word.hpp"
 #include "tests/host-sim/campaign/small_campaign.hpp"
 #include "tests/host-sim/program.hpp"
 #include "tests/host-sim/recordings.hpp"

@@ -95,8 +95,27 @@ TEST_F(CampaignMerge, RefusesWhatMayHoldTrialsTwice) {
 }
 
 TEST_F(CampaignMerge, OverlooksPartsThatAKilledProcessLeft) {
-  write(chunk(3) + ".12345.part", "half");
+  write(chunk(3) + ".n1.12345.part", "half");
   EXPECT_EQ(error_of([&] { merge_in(campaign_, out_); }), "");
+}
+
+TEST_F(CampaignMerge, ARunRemovesOldPartsOfItsShard) {
+  const auto old_part = [&](const std::string& path) {
+    write(path + ".n1.12345.part", "half");
+    std::filesystem::last_write_time(
+        path + ".n1.12345.part",
+        std::filesystem::file_time_type::clock::now() - std::chrono::hours(3));
+    return path + ".n1.12345.part";
+  };
+  const std::string mine = old_part(chunk(3));
+  const std::string another = old_part(chunk(2));
+  const std::string stranger = old_part(out_ + "/chunks/3.csv");
+  write(chunk(1) + ".n2.12345.part", "is being written");
+  run_into(campaign_, out_, {1, 2});
+  EXPECT_FALSE(std::filesystem::exists(mine));
+  EXPECT_TRUE(std::filesystem::exists(another));
+  EXPECT_TRUE(std::filesystem::exists(stranger));
+  EXPECT_TRUE(std::filesystem::exists(chunk(1) + ".n2.12345.part"));
 }
 
 TEST_F(CampaignMerge, TheFolderMustBeThatOfThePlan) {

@@ -1,6 +1,7 @@
 #include "model/files/output_file.hpp"
 
 #include <array>
+#include <chrono>
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
@@ -9,8 +10,10 @@
 #include <gtest/gtest.h>
 #include <stdexcept>
 #include <string>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 #include <vector>
 
@@ -134,7 +137,58 @@ TEST(OutputFile, NeedsAFolderThatMayBeWritten) {
 }
 
 std::string part_of(const std::string& path) {
-  return path + "." + std::to_string(getpid()) + ".part";
+  utsname here{};
+  uname(&here);
+  return files::partial_path(path, here.nodename, getpid());
+}
+
+// Processes of two computers that share a folder may have the same number.
+TEST(OutputFile, PartsOfTwoComputersHaveTwoNames) {
+  EXPECT_EQ(files::partial_path("out/a.csv", "n1.cluster", 12), "out/a.csv.n1.12.part");
+  EXPECT_EQ(files::partial_path("out/a.csv", "", 12), "out/a.csv.12.part");
+  const std::string host = std::string(50, 'n') + "123";
+  for (std::size_t size = 1; size < 255 - std::string(".12.part").size(); ++size) {
+    const std::string name(size, 'a');
+    const std::string part = fs::path(files::partial_path("out/" + name, host, 12)).filename();
+    EXPECT_LE(part.size(), 255U);
+    EXPECT_EQ(part.find("123") != std::string::npos, size <= 243) << "the end of the host's name";
+    EXPECT_NE(part, files::partial_path(name, host, 13));
+  }
+}
+
+TEST(OutputFile, TheLongestNamesCanBeWritten) {
+  const TemporaryFolder folder;
+  const std::string name(255 - part_of("").size() + std::string(".").size(), 'a');
+  EXPECT_EQ(refused(folder / name), "");
+  const std::string longer(254 - ("." + std::to_string(getpid()) + ".part").size(), 'b');
+  EXPECT_EQ(refused(folder / longer), "");
+  EXPECT_THAT(folder.names(), UnorderedElementsAre(name, longer));
+}
+
+// The other computer's lock may not be seen: then only age tells.
+TEST(OutputFile, LeftOversAreOldAndNobodyHoldsThem) {
+  const TemporaryFolder folder;
+  const auto aged = [&](const std::string& name) {
+    const std::string path = folder.write(name, "half");
+    fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(3));
+    return path;
+  };
+  aged("a.csv.n1.12.part");
+  aged("a.csv.13.part");
+  aged("b.csv.n1.12.part");
+  aged("a.csv");
+  folder.write("a.csv.n2.12.part", "written a moment ago");
+  const int held = open(aged("a.csv.n3.12.part").c_str(), O_WRONLY | O_CLOEXEC);
+  ASSERT_EQ(flock(held, LOCK_EX | LOCK_NB), 0);
+  const auto is_of_a = [](const std::string& name) { return name.starts_with("a.csv"); };
+  files::remove_left_overs(folder.path().string(), is_of_a);
+  EXPECT_THAT(folder.names(), UnorderedElementsAre("a.csv", "a.csv.n2.12.part", "a.csv.n3.12.part",
+                                                   "b.csv.n1.12.part"));
+  close(held);
+  files::remove_left_overs(folder.path().string(), is_of_a);
+  EXPECT_THAT(folder.names(),
+              UnorderedElementsAre("a.csv", "a.csv.n2.12.part", "b.csv.n1.12.part"));
+  files::remove_left_overs(folder / "none", is_of_a);
 }
 
 // A program that was killed while it wrote leaves its part. In a container every program is

@@ -16,6 +16,19 @@ TEST(Duration, IsSaidAsPeopleSayIt) {
   EXPECT_EQ(duration_text(2 * 3600 + 5 * 60 + 10), "2 h 05 min");
 }
 
+TEST(Progress, ALogOfADayHasSomeHundredLines) {
+  using namespace std::chrono_literals;
+  EXPECT_EQ(pause_in_a_log(0ms), 10s);
+  EXPECT_EQ(pause_in_a_log(5min), 10s);
+  EXPECT_EQ(pause_in_a_log(1h), 2min);
+  int lines = 0;
+  for (std::chrono::milliseconds now = 10s; now < 24h; now += pause_in_a_log(now)) {
+    ++lines;
+  }
+  EXPECT_GT(lines, 100);
+  EXPECT_LT(lines, 300);
+}
+
 TEST(Forecast, SaysNoTimeWhileNothingIsDone) {
   Forecast forecast;
   EXPECT_EQ(forecast.text("fit", 0, 12), "fit: 12 s so far");
