@@ -22,6 +22,11 @@ const std::string& host_sim_program() {
   return program;
 }
 
+const std::string& host_sim_mpi_program() {
+  static const std::string program = SMASERVO_BINARY_DIR "/tests/host-sim/host-sim-mpi";
+  return program;
+}
+
 const std::string& own_observer_program() {
   static const std::string program = SMASERVO_BINARY_DIR "/tests/host-sim/own_observer";
   return program;

@@ -16,6 +16,9 @@ const std::string& shared_folder();
 const std::string& daemon_program();
 const std::string& host_sim_program();
 
+/// host-sim with MPI; is not there where this machine has no MPI, and with sanitizers.
+const std::string& host_sim_mpi_program();
+
 /// The observer of tests/host-sim/evaluate/own_observer.
 const std::string& own_observer_program();
 

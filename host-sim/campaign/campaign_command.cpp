@@ -8,12 +8,14 @@
 #include <thread>
 
 #include "host-sim/campaign/cluster/slurm.hpp"
+#include "host-sim/campaign/cluster/together.hpp"
 #include "host-sim/campaign/kinds/kinds.hpp"
 #include "host-sim/campaign/merge.hpp"
 #include "host-sim/campaign/report.hpp"
 #include "host-sim/campaign/run.hpp"
 #include "host-sim/end_by_signal.hpp"
 #include "host-sim/evaluate/table.hpp"
+#include "host-sim/shell_word.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
@@ -62,42 +64,53 @@ void finish(const Campaign& campaign, const Folder& folder, const CampaignArgume
   }
 }
 
-/// Computes the shard. A signal ends it between two trials.
-RunResult run_shard(const Campaign& campaign, const Folder& folder, const CampaignArguments& a) {
+/// A signal ends the run between two trials.
+RunOptions options_of(const CampaignArguments& a) {
   RunOptions options;
   options.shard = a.shard.empty() ? Shard{} : shard_of(a.shard);
   options.threads = a.threads;
   options.stop = EndBySignal::came;
   options.warn = [](const std::string& text) { files::complain("host-sim", text); };
-  std::optional<files::Progress> line;
-  options.progress = [&](std::uint64_t done, std::uint64_t total) {
-    if (!line) {
-      line.emplace("campaign", total);
+  options.progress = [line = std::make_shared<std::optional<files::Progress>>()](
+                         std::uint64_t done, std::uint64_t total) {
+    if (!*line) {
+      line->emplace("campaign", total);
     }
-    line->update(done);
+    (*line)->update(done);
   };
-  return run_campaign(campaign, folder, options);
+  return options;
+}
+
+std::string counts_text(const RunResult& result) {
+  return fmt::format("{} chunk{}: {} computed, {} were there", result.chunks,
+                     result.chunks == 1 ? "" : "s", result.computed, result.found);
+}
+
+void finish_run(const Campaign& campaign, const Folder& folder, const CampaignArguments& a,
+                const RunResult& result) {
+  finish(campaign, folder, a);
+  files::print(fmt::format("\n{}; {} trials in {}\n", counts_text(result), campaign.plan.trials,
+                           files::printable(folder.trials_path())));
 }
 
 void run_all(const Campaign& campaign, const CampaignArguments& a) {
   const EndBySignal end;
   const Folder folder = Folder::prepared(campaign, a.out);
-  const RunResult result = run_shard(campaign, folder, a);
-  const std::string counts = fmt::format("{} chunks: {} computed, {} were there", result.chunks,
-                                         result.computed, result.found);
+  const RunResult result = run_campaign(campaign, folder, options_of(a));
   if (result.stopped) {
     files::complain("host-sim",
-                    fmt::format("interrupted after {}. The same command goes on", counts));
+                    fmt::format("interrupted: {}. The same command goes on", counts_text(result)));
   } else if (a.shard.empty()) {
-    finish(campaign, folder, a);
-    files::print(fmt::format("\n{}; {} trials in {}\n", counts, campaign.plan.trials,
-                             files::printable(folder.trials_path())));
+    finish_run(campaign, folder, a, result);
   } else {
-    files::print(fmt::format("shard {}: {}; --merge joins all shards\n", a.shard, counts));
+    files::print(fmt::format(
+        "shard {}: {}. All shards are joined by: host-sim campaign {} --out {} --merge\n", a.shard,
+        counts_text(result), files::printable(shell_word(a.plan)),
+        files::printable(shell_word(a.out))));
   }
 }
 
-/// Told before the trials: that there is no such table, or the file has no place for it.
+/// Refuses a kind that has no such table, and a file that has no place for it.
 void check_markdown(const Campaign& campaign, const std::string& path) {
   if (path.empty()) {
     return;
@@ -112,23 +125,88 @@ void check_markdown(const Campaign& campaign, const std::string& path) {
   const evaluate::TableFile file(path, table->mark());
 }
 
-void run(const CampaignArguments& a) {
+/// Reads the plan, when the options are seen to be right: its files may take a while.
+Campaign campaign_of(const CampaignArguments& a) {
   refuse_to_overwrite(a.plan, a.report);
   refuse_to_overwrite(a.plan, a.markdown);
   refuse_to_overwrite(a.markdown, a.report);
-  // An option that is wrong is told before the plan, whose files may take a while.
   if (!a.shard.empty()) {
     shard_of(a.shard);
   }
   if (a.out.empty() && !a.trial) {
     throw files::UserError("--out is missing: the folder of the results");
   }
-  const Campaign campaign = read_plan(a.plan, all_kinds());
+  return read_plan(a.plan, all_kinds());
+}
+
+/// That the results cannot be written is told at the start, not after hours.
+void check_outputs(const Campaign& campaign, const CampaignArguments& a) {
   check_markdown(campaign, a.markdown);
   if (!a.report.empty()) {
-    // That it cannot be written is told now, not after hours.
     const files::OutputFile writable(a.report);
   }
+}
+
+/// Rank 0 prepares the folder, each rank computes a shard, and rank 0 joins them.
+void run_in_ranks(Ranks& ranks, const CampaignArguments& a, std::optional<EndBySignal>& end) {
+  std::optional<Campaign> campaign;
+  std::optional<Folder> folder;
+  std::optional<hal::Descriptor> lock;  // against the same campaign with another number of ranks
+  const bool first = ranks.rank() == 0;
+  all_do(ranks, [&] {
+    if (a.merge || a.slurm) {
+      throw files::UserError(fmt::format("{} computes nothing: start it as one process",
+                                         a.merge ? "--merge" : "--slurm"));
+    }
+    campaign = campaign_of(a);
+    if (first) {
+      check_outputs(*campaign, a);
+      folder = Folder::prepared(*campaign, a.out);
+      lock = folder->lock({});
+    }
+  });
+  all_do(ranks, [&] {
+    if (!first) {
+      folder = Folder::existing(*campaign, a.out);
+    }
+  });
+  RunResult result;
+  all_do(ranks, [&] { result = run_together(ranks, *campaign, *folder, options_of(a)); });
+  if (!first) {
+    end.reset();  // it only waits from now on
+  }
+  all_do(ranks, [&] {
+    if (first) {
+      finish_run(*campaign, *folder, a, result);
+    }
+  });
+}
+
+/// One process of several that were started together.
+void run_as_rank(const StartedTogether& started, const CampaignArguments& a) {
+  const std::unique_ptr<Ranks> ranks = join_ranks(started);
+  std::optional<EndBySignal> end(std::in_place);
+  try {
+    run_in_ranks(*ranks, a, end);
+  } catch (const EndedTogether&) {
+    throw CLI::RuntimeError(1);
+  } catch (const EndedBySignal&) {
+    if (ranks->rank() == 0) {
+      files::complain("host-sim", "interrupted; whole chunks are kept. The same command goes on");
+    }
+  }
+}
+
+void run(const CampaignArguments& a) {
+  const StartedTogether started = started_together();
+  // With these each process has work of its own, whoever has started it.
+  const bool alone = !a.shard.empty() || a.trial;
+  if (started.count > 1 && !alone) {
+    run_as_rank(started, a);
+    return;
+  }
+  const Campaign campaign = campaign_of(a);
+  check_outputs(campaign, a);
   if (a.trial) {
     run_trial(campaign, *a.trial);
   } else if (a.merge) {
@@ -170,14 +248,18 @@ void add_campaign_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "campaign", "Runs many trials of a plan in chunks, divided as one likes, and joins them.");
   auto a = std::make_shared<CampaignArguments>();
-  a->threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  if (started_together().count == 1) {
+    a->threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  }
   command->add_option("plan", a->plan, "TOML file; its keys: host-sim/campaign/README.md")
       ->required();
   command->add_option("--out", a->out,
                       "folder of the results; chunks that are in it are not computed again");
   CLI::Option* const shard =
       command->add_option("--shard", a->shard, "K/N: only part K, from 0 to N-1, of N parts");
-  command->add_option("--threads", a->threads, "do not affect the result")
+  command
+      ->add_option("--threads", a->threads,
+                   "of each process; the result is the same for any; 1 in a rank of MPI")
       ->check(CLI::Range(1, most_threads))
       ->capture_default_str();
   CLI::Option* const merge = command->add_flag(

@@ -47,12 +47,17 @@ class Program {
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), flags, 0600);
     posix_spawn_file_actions_addchdir_np(&actions, folder_.path().c_str());
     Texts texts = arguments;
-    texts.insert(texts.begin(), "host-sim");
+    if (launcher.empty()) {
+      texts.insert(texts.begin(), "host-sim");
+    } else {
+      texts.insert(texts.begin(), launcher.begin(), launcher.end());
+    }
     std::vector<char*> argv = pointers(texts);
     std::vector<char*> envp = pointers(environment);
     pid_t child = 0;
-    const int failed = posix_spawn(&child, test::host_sim_program().c_str(), &actions, nullptr,
-                                   argv.data(), envp.data());
+    const std::string program = launcher.empty() ? test::host_sim_program() : launcher.front();
+    const int failed =
+        posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), envp.data());
     posix_spawn_file_actions_destroy(&actions);
     close(input);
     if (failed != 0) {
@@ -69,6 +74,7 @@ class Program {
   }
 
   std::string terminal;  ///< terminal for its errors instead of a file; empty: none
+  Texts launcher;        ///< what is run instead, and its first arguments; empty: host-sim itself
   Texts environment{"PATH=/usr/bin:/bin", "LC_ALL=C.UTF-8"};
 
  private:

@@ -70,7 +70,9 @@ class CampaignCommand : public ::testing::Test {
 TEST_F(CampaignCommand, ShardsAreJoinedWhenAllAreThere) {
   const Finished first = run({"gains.toml", "--out", "out", "--shard", "0/2"});
   EXPECT_EQ(first.status, 0) << first.err;
-  EXPECT_EQ(first.out, "shard 0/2: 2 chunks: 2 computed, 0 were there; --merge joins all shards\n");
+  EXPECT_EQ(first.out,
+            "shard 0/2: 2 chunks: 2 computed, 0 were there. All shards are joined by: host-sim "
+            "campaign gains.toml --out out --merge\n");
   const Finished early = run({"gains.toml", "--out", "out", "--merge"});
   EXPECT_EQ(early.status, 1);
   EXPECT_THAT(early.err,
@@ -108,6 +110,36 @@ TEST_F(CampaignCommand, RefusesBeforeItBegins) {
   }
   EXPECT_EQ(program_.folder().names().size(), 2U) << "nothing but the plans";
   EXPECT_EQ(run({"gains.toml", "--out", "out", "--shard", "0/2", "--merge"}).status, 2);
+}
+
+TEST_F(CampaignCommand, OneOfSeveralProcessesDoesNotComputeAll) {
+  const std::vector<std::pair<Program::Texts, std::string>> several{
+      {{"OMPI_COMM_WORLD_SIZE=4"}, "OMPI_COMM_WORLD_SIZE=4"},
+      {{"PMI_SIZE=4"}, "PMI_SIZE=4"},
+      {{"SLURM_NTASKS=8", "SLURM_STEP_NUM_TASKS=4", "SLURM_PROCID=0"}, "SLURM_STEP_NUM_TASKS=4"}};
+  const Program::Texts before = program_.environment;
+  for (const auto& [variables, named] : several) {
+    program_.environment = before;
+    program_.environment.insert(program_.environment.end(), variables.begin(), variables.end());
+    const Finished f = run({"gains.toml", "--out", "out"});
+    EXPECT_EQ(f.status, 1);
+    EXPECT_THAT(f.err, AllOf(HasSubstr("one of 4 processes that were started together (" + named),
+                             HasSubstr("-DSMASERVO_MPI=ON"), HasSubstr("--shard K/4")));
+    EXPECT_EQ(run({"gains.toml", "--out", "out", "--merge"}).status, 1);
+    EXPECT_EQ(program_.folder().names().size(), 2U) << "nothing but the plans";
+  }
+  // Each has work of its own.
+  EXPECT_EQ(run({"gains.toml", "--out", "out", "--shard", "3/4"}).status, 0);
+  EXPECT_EQ(run({"gains.toml", "--trial", "5"}).status, 0);
+  // Alone: a batch script of Slurm, whose job has tasks; a rank of one.
+  const std::vector<Program::Texts> alone{
+      {"SLURM_NTASKS=4", "SLURM_PROCID=0"},
+      {"OMPI_COMM_WORLD_SIZE=1", "SLURM_STEP_NUM_TASKS=4", "SLURM_PROCID=0"}};
+  for (const Program::Texts& variables : alone) {
+    program_.environment = before;
+    program_.environment.insert(program_.environment.end(), variables.begin(), variables.end());
+    EXPECT_EQ(run({"gains.toml", "--out", "out"}).status, 0);
+  }
 }
 
 TEST_F(CampaignCommand, ScenariosAreThoseOfEvaluateWhichRunsThemAgain) {

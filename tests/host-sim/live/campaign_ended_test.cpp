@@ -69,7 +69,7 @@ TEST_F(CampaignEnded, KilledItGoesOnToTheSameBytes) {
 TEST_F(CampaignEnded, CtrlCKeepsWholeChunksAndSaysHowToGoOn) {
   const Finished f = ended_by(SIGINT);
   EXPECT_EQ(f.status, 128 + SIGINT);
-  EXPECT_THAT(f.err, HasSubstr("interrupted after 12 chunks: "));
+  EXPECT_THAT(f.err, HasSubstr("interrupted: 12 chunks: "));
   EXPECT_THAT(f.err, HasSubstr("The same command goes on"));
   expect_that_it_goes_on();
 }

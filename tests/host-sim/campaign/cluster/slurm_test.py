@@ -280,7 +280,7 @@ def test(cluster):
     becomes("both have a chunk", lambda: {int(name[:6]) % TASKS for name in lost.chunks()} >= {int(killed), int(moved)})
     cluster.lose_power("n1")
     checked("scontrol", "requeue", f"{lost.shards}_{moved}")
-    becomes("the task has ended", lambda: "interrupted after 8 chunks" in lost.log(moved))
+    becomes("the task has ended", lambda: "interrupted: 8 chunks" in lost.log(moved))
     before = lost.chunks()
     assert len(before) < TRIALS
     # Slurm would see it by itself after half a minute.
