@@ -92,7 +92,7 @@ def ways(bench, plan):
         '1 process, 2 threads': lambda: bench.run([bench.campaign(plan, '--threads', '2')]),
     }
     if bench.with_mpi.exists() and shutil.which('mpirun'):
-        measures['1 rank'] = lambda: bench.ranks(plan, 1)
+        measures['1 rank (2 threads, as without MPI)'] = lambda: bench.ranks(plan, 1)
         measures['2 ranks'] = lambda: bench.ranks(plan, 2)
     else:
         print('host-sim-mpi or mpirun is missing: no ranks', file=sys.stderr)

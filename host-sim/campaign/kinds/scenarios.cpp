@@ -37,7 +37,7 @@ class HottestTable final : public Table {
  public:
   void add(const std::vector<std::string>& c) override {
     constexpr double never = std::numeric_limits<double>::infinity();
-    runs_.push_back({std::stoull(c.at(0)), text::mode_of(c.at(1)).value(),
+    runs_.push_back({std::stoull(c.at(0)), named(c.at(1), mode_count, text::mode_name),
                      named(c.at(2), evaluate::random_air_count, evaluate::random_air_name),
                      named(c.at(3), evaluate::random_trouble_count, evaluate::random_trouble_name),
                      c.at(5) == yes_or_no(true), std::stod(c.at(6)), std::stod(c.at(7)),
