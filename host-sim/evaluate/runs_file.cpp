@@ -13,7 +13,7 @@
 namespace smaservo::evaluate {
 namespace {
 
-constexpr std::string_view head =
+constexpr std::string_view runs_head =
     "observer,row,family,unit,condition,disturbed,seed,error_sum_percent,error_max_percent,lost,"
     "with_sd,within_2_sd,drift_percent,found_s,locked,sure,errors";
 constexpr std::size_t cells = 17;
@@ -171,7 +171,7 @@ Element& named(std::vector<Element>& all, const std::string& name) {
 }  // namespace
 
 std::string runs_csv(const Evaluation& evaluation) {
-  std::string text = std::string(head) + '\n';
+  std::string text = std::string(runs_head) + '\n';
   for (const ObserverEvaluation& observer : evaluation.observers) {
     for (const RowResult& result : observer.rows) {
       for (const JudgedRun& run : result.runs) {
@@ -187,8 +187,8 @@ std::vector<KeptRun> read_runs_csv(std::string_view text) {
   std::size_t number = 0;
   for (const std::string_view line : split(text, '\n')) {
     ++number;
-    if (number == 1 && line != head) {
-      throw files::UserError(fmt::format("judged runs: the first line is not \"{}\"", head));
+    if (number == 1 && line != runs_head) {
+      throw files::UserError(fmt::format("judged runs: the first line is not \"{}\"", runs_head));
     }
     if (number > 1 && !line.empty()) {
       runs.push_back(run_of(Line(number, line)));

@@ -273,6 +273,14 @@ def test(cluster):
     expect_same(folder, reference)
     assert whole.chunks() == before
 
+    begun("a batch script with two tasks is one process, no two ranks of MPI")
+    alone = cluster.place / "alone"
+    two = checked("sbatch", "--parsable", "--ntasks=2", "--output", cluster.place / "two.log", "--wrap",
+                  f"exec '{HOST_SIM}' campaign '{plan}' --out '{alone}'")
+    becomes("the job ends", lambda: state(two.strip()) & {"COMPLETED", "FAILED", "CANCELLED"})
+    assert state(two.strip()) == {"COMPLETED"}, (cluster.place / "two.log").read_text()
+    expect_same(alone, reference)
+
     begun("a node is lost, and a task is put back: both go on with what is there")
     lost = Submitted(cluster.place / "lost", plan=plan)
     killed = becomes("a task runs on n1", lambda: lost.task_on("n1"))
