@@ -256,8 +256,8 @@ files::TextTable sensitivity_table(const Report& report) {
 }
 
 std::string statistics_title(const Campaign& campaign, const Report& report) {
-  return fmt::format("{}: {} trials of the kind {}{}", campaign.plan.path, report.trials,
-                     campaign.plan.kind,
+  return fmt::format("{}: {} trial{} of the kind {}{}", campaign.plan.path, report.trials,
+                     report.trials == 1 ? "" : "s", campaign.plan.kind,
                      report.used < report.trials
                          ? fmt::format("; statistics of {} of them, the worst of all", report.used)
                          : "");

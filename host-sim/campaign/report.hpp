@@ -52,7 +52,8 @@ double rank_correlation(const std::vector<double>& x, const std::vector<double>&
 Report make_report(const Campaign& campaign, const Folder& folder, bool with_table = false,
                    std::uint64_t most_used = 1'000'000);
 
-/// Tables for a terminal, at most 80 characters wide but for the commands.
+/// Tables for a terminal, at most 80 characters wide but for the commands, and for results with
+/// long names (of `lot`, and of `evaluate` with several observers).
 std::string report_text(const Campaign& campaign, const Report& report);
 
 /// The same as one HTML file, with a histogram. Throws UserError.

@@ -65,7 +65,8 @@ std::vector<identify::FitParameter> all_parameters(const HowIdentified& how, con
 }
 
 std::string column_name(const identify::FitParameter& parameter) {
-  std::string name = parameter.key + (parameter.unit.empty() ? "" : '_' + parameter.unit);
+  const std::string unit = parameter.unit == "%" ? "percent" : parameter.unit;
+  std::string name = parameter.key + (unit.empty() ? "" : '_' + unit);
   std::ranges::replace(name, ' ', '_');
   std::ranges::replace(name, '/', '_');
   return name.starts_with("wire.") ? name.substr(5) : name;
