@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -278,16 +277,26 @@ std::optional<EndBySignal> ends_programs(const EvaluateOptions& options) {
 
 }  // namespace
 
-RowResult row_result(const std::vector<hal::Family>& families, std::size_t row,
-                     std::vector<JudgedRun> runs) {
-  RowResult result{row, {}, together(runs), {}};
+RowSum::RowSum(const std::vector<hal::Family>& families, std::size_t row) : row_(row) {
   for (const hal::Family family : families) {
-    std::vector<JudgedRun> own;
-    std::ranges::copy_if(runs, std::back_inserter(own),
-                         [&](const JudgedRun& run) { return run.run.family == family; });
-    result.by_family.push_back({family, together(own)});
+    by_family_.emplace_back(family, PooledRuns());
   }
-  result.runs = std::move(runs);
+}
+
+void RowSum::add(const JudgedRun& run) {
+  all_.add(run);
+  for (auto& [family, sum] : by_family_) {
+    if (family == run.run.family) {
+      sum.add(run);
+    }
+  }
+}
+
+RowResult RowSum::result(std::vector<JudgedRun> runs) const {
+  RowResult result{row_, std::move(runs), all_.figures(), {}};
+  for (const auto& [family, sum] : by_family_) {
+    result.by_family.push_back({family, sum.figures()});
+  }
   return result;
 }
 
@@ -320,16 +329,18 @@ Evaluation evaluate(const EvaluateOptions& options) {
   for (const std::size_t row : rows) {
     const std::vector<Judged> observers = observers_of(options, row);
     for (std::size_t i = 0; i < observers.size(); ++i) {
+      RowSum sum(options.families, row);
       std::vector<JudgedRun> runs;
       for (std::size_t job = 0; job < jobs.size(); ++job) {
         if (jobs[job].row == row) {
+          sum.add(judged[job][i]);
           runs.push_back(std::move(judged[job][i]));
         }
       }
       if (i == evaluation.observers.size()) {
         evaluation.observers.push_back({observers[i].name, {}});
       }
-      evaluation.observers[i].rows.push_back(row_result(options.families, row, std::move(runs)));
+      evaluation.observers[i].rows.push_back(sum.result(std::move(runs)));
     }
   }
   return evaluation;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host-sim/evaluate/rows.hpp"
@@ -43,14 +44,25 @@ struct FamilyFigures {
 
 struct RowResult {
   std::size_t row;              ///< index in evaluation_rows()
-  std::vector<JudgedRun> runs;  ///< runs of all units in turn
+  std::vector<JudgedRun> runs;  ///< runs of all units in turn, or some that are shown
   RowFigures all;
   std::vector<FamilyFigures> by_family;  ///< in the order of the families in the options
 };
 
-/// All runs of a row together, and those of each family.
-RowResult row_result(const std::vector<hal::Family>& families, std::size_t row,
-                     std::vector<JudgedRun> runs);
+/// Adds up the runs of a row, all of them and those of each family.
+class RowSum {
+ public:
+  RowSum(const std::vector<hal::Family>& families, std::size_t row);
+
+  void add(const JudgedRun& run);
+  /// With the runs that are shown one by one.
+  RowResult result(std::vector<JudgedRun> runs) const;
+
+ private:
+  std::size_t row_;
+  PooledRuns all_;
+  std::vector<std::pair<hal::Family, PooledRuns>> by_family_;
+};
 
 struct ObserverEvaluation {
   std::string observer;

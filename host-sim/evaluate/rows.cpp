@@ -68,35 +68,35 @@ std::string run_text(const EvaluatedRun& run) {
                      condition_name(run.condition), run.disturbed ? " disturbed" : "", run.seed);
 }
 
-RowFigures together(const std::vector<JudgedRun>& runs) {
-  RowFigures row{};
-  std::uint64_t with_sd = 0, within_2_sd = 0;
-  std::vector<double> drifts, found_s;
-  for (const JudgedRun& run : runs) {
-    const RunFigures& f = run.figures;
-    ++row.runs;
-    row.error.add(f.error);
-    row.lost += f.lost ? 1 : 0;
-    with_sd += f.with_sd;
-    within_2_sd += f.within_2_sd;
-    if (run.run.condition == Condition::hold_ripple) {
-      drifts.push_back(std::abs(run.drift_percent));
-    }
-    if (run.start) {
-      found_s.push_back(run.start->found_after_s);
-      row.locked += run.start->locked ? 1 : 0;
-      row.unsure += run.start->sure ? 0 : 1;
-    }
+void PooledRuns::add(const JudgedRun& run) {
+  const RunFigures& f = run.figures;
+  ++sums_.runs;
+  sums_.error.add(f.error);
+  sums_.lost += f.lost ? 1 : 0;
+  with_sd_ += f.with_sd;
+  within_2_sd_ += f.within_2_sd;
+  if (run.run.condition == Condition::hold_ripple) {
+    drifts_.push_back(std::abs(run.drift_percent));
   }
-  row.within_2_sd = with_sd == 0 ? nothing_known
-                                 : static_cast<double>(within_2_sd) / static_cast<double>(with_sd);
-  row.drift_mean = drifts.empty() ? nothing_known
-                                  : std::accumulate(drifts.begin(), drifts.end(), 0.0) /
-                                        static_cast<double>(drifts.size());
-  row.drift_p95 = quantile(drifts, 0.95);
-  row.drift_maximum = quantile(drifts, 1);
-  row.found_median_s = quantile(found_s, 0.5);
-  row.found_p90_s = quantile(found_s, 0.9);
+  if (run.start) {
+    found_s_.push_back(run.start->found_after_s);
+    sums_.locked += run.start->locked ? 1 : 0;
+    sums_.unsure += run.start->sure ? 0 : 1;
+  }
+}
+
+RowFigures PooledRuns::figures() const {
+  RowFigures row = sums_;
+  row.within_2_sd = with_sd_ == 0
+                        ? nothing_known
+                        : static_cast<double>(within_2_sd_) / static_cast<double>(with_sd_);
+  row.drift_mean = drifts_.empty() ? nothing_known
+                                   : std::accumulate(drifts_.begin(), drifts_.end(), 0.0) /
+                                         static_cast<double>(drifts_.size());
+  row.drift_p95 = quantile(drifts_, 0.95);
+  row.drift_maximum = quantile(drifts_, 1);
+  row.found_median_s = quantile(found_s_, 0.5);
+  row.found_p90_s = quantile(found_s_, 0.9);
   return row;
 }
 

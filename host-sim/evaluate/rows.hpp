@@ -68,6 +68,16 @@ struct RowFigures {
   double found_median_s, found_p90_s;
   int locked = 0, unsure = 0;
 };
-RowFigures together(const std::vector<JudgedRun>& runs);
+/// Runs are added one by one, and not kept.
+class PooledRuns {
+ public:
+  void add(const JudgedRun& run);
+  RowFigures figures() const;
+
+ private:
+  RowFigures sums_{};
+  std::uint64_t with_sd_ = 0, within_2_sd_ = 0;
+  std::vector<double> drifts_, found_s_;
+};
 
 }  // namespace smaservo::evaluate

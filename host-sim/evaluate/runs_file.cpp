@@ -157,17 +157,6 @@ KeptRun run_of(Line line) {
   return kept;
 }
 
-/// The element with this name, added if there is none.
-template <class Element>
-Element& named(std::vector<Element>& all, const std::string& name) {
-  const auto found = std::ranges::find(all, name, &Element::observer);
-  if (found != all.end()) {
-    return *found;
-  }
-  all.push_back({name, {}});
-  return all.back();
-}
-
 }  // namespace
 
 std::string runs_csv(const Evaluation& evaluation) {
@@ -197,21 +186,28 @@ std::vector<KeptRun> read_runs_csv(std::string_view text) {
   return runs;
 }
 
-Evaluation joined(const std::vector<hal::Family>& families, int units, std::uint64_t seed,
-                  std::vector<KeptRun> runs) {
+void JoinedRuns::add(const KeptRun& run) {
+  auto observer = std::ranges::find(observers_, run.observer, &Observer::name);
+  if (observer == observers_.end()) {
+    observer = observers_.insert(observer, {run.observer, {}});
+  }
+  auto row = std::ranges::find(observer->rows, run.row, &Row::row);
+  if (row == observer->rows.end()) {
+    row = observer->rows.insert(row, {run.row, RowSum(families_, run.row), run.judged});
+  }
+  row->sum.add(run.judged);
+  if (run.judged.figures.error.mean() > row->worst.figures.error.mean()) {
+    row->worst = run.judged;
+  }
+}
+
+Evaluation JoinedRuns::evaluation(int units, std::uint64_t seed) const {
   Evaluation evaluation{
       files::load_wire(std::string(files::default_wire)).wire.nominal_stroke, units, seed, {}};
-  for (KeptRun& run : runs) {
-    std::vector<RowResult>& rows = named(evaluation.observers, run.observer).rows;
-    auto row = std::ranges::find(rows, run.row, &RowResult::row);
-    if (row == rows.end()) {
-      row = rows.insert(rows.end(), RowResult{run.row, {}, {}, {}});
-    }
-    row->runs.push_back(std::move(run.judged));
-  }
-  for (ObserverEvaluation& observer : evaluation.observers) {
-    for (RowResult& row : observer.rows) {
-      row = row_result(families, row.row, std::move(row.runs));
+  for (const Observer& observer : observers_) {
+    evaluation.observers.push_back({observer.name, {}});
+    for (const Row& row : observer.rows) {
+      evaluation.observers.back().rows.push_back(row.sum.result({row.worst}));
     }
   }
   return evaluation;

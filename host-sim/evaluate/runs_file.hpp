@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host-sim/evaluate/evaluate.hpp"
@@ -24,8 +25,29 @@ std::string runs_csv(const Evaluation& evaluation);
 /// Reads what runs_csv() has written. Throws UserError, which names the line, for other texts.
 std::vector<KeptRun> read_runs_csv(std::string_view text);
 
-/// The evaluation of these runs, with observers and rows in the order of their first runs.
-Evaluation joined(const std::vector<hal::Family>& families, int units, std::uint64_t seed,
-                  std::vector<KeptRun> runs);
+/// The evaluation of many runs, which are not kept: thousands of units need no more memory than
+/// one. Observers and rows are in the order of their first runs.
+class JoinedRuns {
+ public:
+  explicit JoinedRuns(std::vector<hal::Family> families) : families_(std::move(families)) {}
+
+  void add(const KeptRun& run);
+  /// Of its runs each row has the one with the greatest mean error, if there is any.
+  Evaluation evaluation(int units, std::uint64_t seed) const;
+
+ private:
+  struct Row {
+    std::size_t row;
+    RowSum sum;
+    JudgedRun worst;
+  };
+  struct Observer {
+    std::string name;
+    std::vector<Row> rows;
+  };
+
+  std::vector<hal::Family> families_;
+  std::vector<Observer> observers_;
+};
 
 }  // namespace smaservo::evaluate

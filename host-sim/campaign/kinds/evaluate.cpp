@@ -20,7 +20,7 @@ namespace smaservo::campaign {
 namespace {
 
 /// Seconds of one core.
-constexpr double calibration_cost_s = 75;
+constexpr double calibration_cost_s = 120;
 constexpr double run_cost_s = 0.25;
 
 /// What is evaluated of each unit.
@@ -39,14 +39,15 @@ std::string wire_path(const Judging& judging, hal::Family family, std::uint64_t 
 /// All runs of all units, as `evaluate` shows those of a few.
 class EvaluationTable final : public Table {
  public:
-  EvaluationTable(std::vector<hal::Family> families, std::uint64_t seed)
-      : families_(std::move(families)), seed_(seed) {}
+  EvaluationTable(const std::vector<hal::Family>& families, std::uint64_t seed)
+      : families_(families), seed_(seed), runs_(families) {}
 
   void add(const std::vector<std::string>& /*cells*/) override { ++units_; }
   void add(const TrialFile& file) override {
     if (file.name.ends_with(".csv")) {
-      std::vector<evaluate::KeptRun> runs = evaluate::read_runs_csv(file.text);
-      std::ranges::move(runs, std::back_inserter(runs_));
+      for (const evaluate::KeptRun& run : evaluate::read_runs_csv(file.text)) {
+        runs_.add(run);
+      }
     }
   }
   std::string text() const override { return evaluate::table_text(whole()); }
@@ -59,17 +60,16 @@ class EvaluationTable final : public Table {
  private:
   evaluate::Evaluation whole() const {
     const auto count = families_.size();
-    return evaluate::joined(families_, static_cast<int>((units_ + count - 1) / count), seed_,
-                            runs_);
+    return runs_.evaluation(static_cast<int>((units_ + count - 1) / count), seed_);
   }
 
   std::vector<hal::Family> families_;
   std::uint64_t seed_;
   std::size_t units_ = 0;
-  std::vector<evaluate::KeptRun> runs_;
+  evaluate::JoinedRuns runs_;
 };
 
-/// The evaluation of a unit of the preset itself is that of a drawn one.
+/// A trial is a unit that is calibrated and then measured in all rows.
 class Evaluations final : public Trials {
  public:
   Evaluations(std::uint64_t seed, Judging judging) : seed_(seed), judging_(std::move(judging)) {
@@ -112,6 +112,9 @@ class Evaluations final : public Trials {
       }
       const files::WireDescription found =
           evaluate::calibrate(unit, [&] { return !(stop && stop()); });
+      if (stop && stop()) {
+        throw Stopped();  // the fit has not ended
+      }
       result.files.push_back({name, files::to_toml(found)});
       return found.wire;
     };
@@ -169,7 +172,7 @@ class Evaluations final : public Trials {
       for (const evaluate::EvaluationRow* row : rows()) {
         const auto index = static_cast<std::size_t>(row - evaluate::evaluation_rows().data());
         evaluation.observers.back().rows.push_back(
-            evaluate::row_result(judging_.families, index, {}));
+            evaluate::RowSum(judging_.families, index).result({}));
       }
     }
     return evaluation;

@@ -54,7 +54,7 @@ TEST_F(CampaignEvaluate, ATrialIsTheEvaluationOfOneUnit) {
   const Campaign campaign = read(golden_table());
   for (std::uint64_t trial = 0; trial < 2; ++trial) {
     evaluate::EvaluateOptions options = golden_options();
-    options.families = {hal::tuning_families.at(trial)};
+    options.families = {hal::tuning_families.at(static_cast<std::size_t>(trial))};
     const evaluate::Evaluation alone = evaluate::evaluate(options);
     const TrialResult result = campaign.trials->run(trial, {});
     ASSERT_EQ(result.files.size(), 1U) << "no wire, since none was calibrated";
@@ -84,16 +84,17 @@ TEST_F(CampaignEvaluate, TheTableIsThatOfAllRunsTogether) {
   run_into(campaign, out, {}, 2);
   merge_in(campaign, out);
   const Report report = make_report(campaign, Folder::existing(campaign, out));
-  std::vector<evaluate::KeptRun> runs;
+  const evaluate::EvaluateOptions all = golden_options();
+  evaluate::JoinedRuns joined(all.families);
   for (const hal::Family family : hal::tuning_families) {
     evaluate::EvaluateOptions options = golden_options();
     options.families = {family};
-    const auto own = evaluate::read_runs_csv(evaluate::runs_csv(evaluate::evaluate(options)));
-    runs.insert(runs.end(), own.begin(), own.end());
+    for (const auto& run :
+         evaluate::read_runs_csv(evaluate::runs_csv(evaluate::evaluate(options)))) {
+      joined.add(run);
+    }
   }
-  const evaluate::EvaluateOptions all = golden_options();
-  EXPECT_EQ(report.table->text(),
-            evaluate::table_text(evaluate::joined(all.families, 1, 1000, runs)));
+  EXPECT_EQ(report.table->text(), evaluate::table_text(joined.evaluation(1, 1000)));
   EXPECT_THAT(report_text(campaign, report),
               AllOf(HasSubstr("of units 1000 of each family"), HasSubstr("open-loop"),
                     HasSubstr("standard_mean_percent")));
@@ -107,9 +108,27 @@ TEST_F(CampaignEvaluate, RunsReadFromTheirFileAreTheSame) {
   evaluate::EvaluateOptions options = golden_options();
   options.observers = {"kalman", "line"};
   const evaluate::Evaluation whole = evaluate::evaluate(options);
-  const evaluate::Evaluation again = evaluate::joined(
-      options.families, 1, 1000, evaluate::read_runs_csv(evaluate::runs_csv(whole)));
-  EXPECT_EQ(evaluate::table_json(again), evaluate::table_json(whole));
+  const std::vector<evaluate::KeptRun> runs = evaluate::read_runs_csv(evaluate::runs_csv(whole));
+  evaluate::JoinedRuns joined(options.families);
+  for (const evaluate::KeptRun& run : runs) {
+    joined.add(run);
+  }
+  const evaluate::Evaluation again = joined.evaluation(1, 1000);
+  EXPECT_EQ(evaluate::table_text(again), evaluate::table_text(whole));
+  EXPECT_EQ(evaluate::table_markdown(again), evaluate::table_markdown(whole));
+  // Each run by itself, too.
+  evaluate::Evaluation one_by_one = again;
+  for (evaluate::ObserverEvaluation& observer : one_by_one.observers) {
+    for (evaluate::RowResult& row : observer.rows) {
+      row.runs.clear();
+      for (const evaluate::KeptRun& run : runs) {
+        if (run.observer == observer.observer && run.row == row.row) {
+          row.runs.push_back(run.judged);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(evaluate::table_json(one_by_one), evaluate::table_json(whole));
 }
 
 TEST_F(CampaignEvaluate, AFileOfRunsThatWasChangedIsRefused) {

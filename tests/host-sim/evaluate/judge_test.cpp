@@ -103,7 +103,15 @@ TEST(UnknownStart, IsAskedOneSecondAfterTheFirstHeating) {
   EXPECT_FALSE(sure(4.95));
 }
 
-TEST(Together, PoolsRunsByTheirInstants) {
+evaluate::RowFigures pooled(const std::vector<evaluate::JudgedRun>& runs) {
+  evaluate::PooledRuns all;
+  for (const evaluate::JudgedRun& run : runs) {
+    all.add(run);
+  }
+  return all.figures();
+}
+
+TEST(PooledRuns, CountByTheirInstants) {
   const auto judged = [](double seconds, double error, evaluate::Condition condition) {
     evaluate::JudgedRun one{};
     one.run.condition = condition;
@@ -116,7 +124,7 @@ TEST(Together, PoolsRunsByTheirInstants) {
   runs[0].drift_percent = -0.4;
   runs[1].drift_percent = 0.1;
   runs[2].drift_percent = 0.7;
-  const evaluate::RowFigures row = evaluate::together(runs);
+  const evaluate::RowFigures row = pooled(runs);
   EXPECT_EQ(row.runs, 3);
   EXPECT_EQ(row.lost, 1);
   EXPECT_EQ(row.error.count(), 500U);
@@ -128,7 +136,7 @@ TEST(Together, PoolsRunsByTheirInstants) {
   EXPECT_TRUE(std::isnan(row.found_median_s));
 }
 
-TEST(Together, TakesMedianAndNinetyPerCentOfStarts) {
+TEST(PooledRuns, HaveMedianAndNinetyPerCentOfStarts) {
   std::vector<evaluate::JudgedRun> runs(10);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     runs[i].run.condition = evaluate::Condition::unknown_start;
@@ -136,7 +144,7 @@ TEST(Together, TakesMedianAndNinetyPerCentOfStarts) {
         i == 3 ? std::numeric_limits<double>::infinity() : 0.1 * static_cast<double>(i), i == 3,
         i != 5};
   }
-  const evaluate::RowFigures row = evaluate::together(runs);
+  const evaluate::RowFigures row = pooled(runs);
   EXPECT_NEAR(row.found_median_s, 0.5, 1e-12);
   EXPECT_NEAR(row.found_p90_s, 0.9, 1e-12);
   EXPECT_EQ(row.locked, 1);

@@ -32,11 +32,10 @@ evaluate::JudgedRun judged(hal::Family family, evaluate::Condition condition, do
 
 evaluate::RowResult row(std::string_view name, const evaluate::JudgedRun& ihyp,
                         const evaluate::JudgedRun& sublayers) {
-  return {row_named(name),
-          {ihyp, sublayers},
-          evaluate::together({ihyp, sublayers}),
-          {{hal::Family::ihyp, evaluate::together({ihyp})},
-           {hal::Family::sublayers, evaluate::together({sublayers})}}};
+  evaluate::RowSum sum({hal::Family::ihyp, hal::Family::sublayers}, row_named(name));
+  sum.add(ihyp);
+  sum.add(sublayers);
+  return sum.result({ihyp, sublayers});
 }
 
 /// Two rows and a start, made by hand.
