@@ -31,6 +31,11 @@ TEST(RandomUnit, SeedAndFamilyDecide) {
             bench::random_unit(hal::Family::sublayers, 7).structure.sublayers.seed);
   EXPECT_NE(bench::random_unit(hal::Family::sublayers, 7).structure.sublayers.seed,
             bench::random_unit(hal::Family::sublayers, 8).structure.sublayers.seed);
+  const auto smooth = [](std::uint64_t seed) {
+    return bench::random_unit(hal::Family::smooth_hardening, seed).structure.smooth_hardening;
+  };
+  EXPECT_EQ(smooth(7).clamp_resistance_m, smooth(7).clamp_resistance_m);
+  EXPECT_NE(smooth(7).clamp_resistance_m, smooth(8).clamp_resistance_m);
 }
 
 TEST(RandomUnit, SpreadsAsOneWireFromAnother) {
