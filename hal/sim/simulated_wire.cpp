@@ -335,6 +335,10 @@ SmoothHardeningNumbers smooth_hardening_numbers(const Wire<double>& wire,
     n.a2r.per_Pa = per_J_m3 * (r_phase.strain - austenite.strain);
     n.a2r.per_Pa2 = per_J_m3 * 0.5 * (1 / r_phase.modulus_Pa - 1 / austenite.modulus_Pa);
   }
+  // R2A ends at most 5 K after M2A begins, so that martensite becomes little R-phase on heating.
+  const double late_K = std::max(0.0, n.a2r.from_K + structure.r_hysteresis_K - n.m2a.from_K - 5);
+  n.a2r.from_K -= late_K;
+  n.a2r.to_K -= late_K;
   n.r2a = n.a2r;
   n.r2a.from_K = n.a2r.to_K + structure.r_hysteresis_K;
   n.r2a.to_K = n.a2r.from_K + structure.r_hysteresis_K;

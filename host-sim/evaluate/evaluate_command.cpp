@@ -158,10 +158,8 @@ void add_evaluate_command(CLI::App& app) {
   for (const replay::ObserverKind& kind : replay::observer_kinds()) {
     observers.emplace_back(kind.name);
   }
-  std::vector<std::string> families;
-  for (const hal::Family family : hal::families) {
-    families.emplace_back(hal::family_name(family));
-  }
+  std::vector<std::string> families(hal::families.size());
+  std::ranges::transform(hal::families, families.begin(), hal::family_name);
   std::vector<std::string> rows;
   for (const EvaluationRow& row : evaluation_rows()) {
     rows.emplace_back(row.name);
