@@ -25,7 +25,8 @@
 //   m: at a2m on cooling, at m2a on heating
 //   q: at a2r on cooling, at r2a on heating
 //
-// Between its two temperatures T(x) a fraction rests. What has transformed last goes back first; an
+// Between its two temperatures T(x) a fraction rests: a play, as each sublayer is, but a single one
+// that is as wide as the whole hysteresis. What has transformed last goes back first; an
 // interrupted transformation goes on where it was left.
 
 #include <cmath>

@@ -186,7 +186,7 @@ TEST_F(SmoothHardeningTest, StressShiftsRPhaseByClausiusAndClapeyron) {
   }
 }
 
-/// Müller's criterion: R-phase is seen up to 250 MPa, and most without stress (paper 000).
+/// About 70 % at 10 MPa, felt up to almost 250 MPa (paper 000).
 TEST_F(SmoothHardeningTest, RPhaseHasTheShareThatIsMeasured) {
   const auto peak = [&](double stress_MPa) {
     double most = 0;
