@@ -10,7 +10,8 @@
 namespace smaservo::bench {
 namespace {
 
-constexpr std::array<std::string_view, 4> plant_names{"lumped", "ihyp", "sublayers", "free-energy"};
+constexpr std::array<std::string_view, 5> plant_names{"lumped", "ihyp", "sublayers", "free-energy",
+                                                      "smooth-hardening"};
 
 /// Of a plant that is not lumped.
 hal::Family family_of(PlantFamily plant) {

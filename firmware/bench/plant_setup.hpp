@@ -15,7 +15,7 @@ class TomlTable;
 
 namespace smaservo::bench {
 
-enum class PlantFamily : unsigned char { lumped, ihyp, sublayers, free_energy };
+enum class PlantFamily : unsigned char { lumped, ihyp, sublayers, free_energy, smooth_hardening };
 std::string_view plant_name(PlantFamily family);
 PlantFamily plant_family(hal::Family family);
 

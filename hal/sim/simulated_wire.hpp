@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "model/plants/free_energy.hpp"
+#include "model/plants/smooth_hardening.hpp"
 #include "model/plants/sublayers.hpp"
 #include "model/wire/wire.hpp"
 
@@ -23,9 +24,13 @@ enum class Family : unsigned char {
   sublayers,
   /// model/plants/free_energy.hpp in 12 segments, temperature-dependent specific heat,
   /// resistivities in parallel.
-  free_energy
+  free_energy,
+  /// model/plants/smooth_hardening.hpp in 24 segments, short ones at the ends; clamps that become
+  /// warm, martensite's strain that grows with stress, resistivities of a mixture of grains.
+  smooth_hardening
 };
-inline constexpr std::array families{Family::ihyp, Family::sublayers, Family::free_energy};
+inline constexpr std::array families{Family::ihyp, Family::sublayers, Family::free_energy,
+                                     Family::smooth_hardening};
 /// The families with which observers and control may be tuned. The others are for tests only.
 inline constexpr std::array tuning_families{Family::ihyp, Family::sublayers};
 std::string_view family_name(Family family);
@@ -65,11 +70,38 @@ struct FreeEnergyStructure {
 /// The medians are those of the wire's surfaces, as in sublayer_spread().
 FreeEnergySpread free_energy_spread(const Wire<double>& wire, const FreeEnergyStructure& structure);
 
+/// Parameters of the family `smooth_hardening` in addition to those of a wire.
+struct SmoothHardeningStructure {
+  /// Exponents of the hardening, at the start and at the end of M2A, A2M and A2R. R2A has those of
+  /// A2R the other way round: it is A2R's curve, shifted.
+  double m2a_first = 0.9, m2a_last = 0.7;
+  double a2m_first = 0.7, a2m_last = 0.6;
+  double a2r_first = 0.9, a2r_last = 0.3;
+  double a2r_width = 1.35;          ///< factor on the spread of A2R, so that R-phase peaks at 75 %
+  double r_hysteresis_K = 4;        ///< distance of R2A above A2R; real wires have 2 to 6
+  double strain_deficit = 0.15;     ///< as in SmoothHardeningNumbers
+  double saturation_Pa = 70e6;      ///< as in SmoothHardeningNumbers
+  double parallel_share = 2.0 / 3;  ///< as in DistributedPlant; grains that lie in all directions
+  double specific_heat_1_K = 3e-4;  ///< as in DistributedPlant; Debye's curve and the electrons'
+  /// Factor on the conductivity towards the clamps: martensite, in which the ends stay, conducts
+  /// heat about half as well as austenite.
+  double conduction = 0.8;
+  /// As in DistributedPlant: of a crimp of some 10 mm² in air, which the wire warms by a fifth of
+  /// what it is above the air itself.
+  double clamp_resistance_m = 0.3e-3;
+};
+
+/// Without stress M2A and A2M have the wire's medians and distances from 20 to 80 %, A2R has its
+/// temperature at 20 %. Over stress martensite's medians go up by the work on the strain, and at
+/// 400 MPa are the wire's; R-phase's go up as its strain and latent heat demand.
+SmoothHardeningNumbers smooth_hardening_numbers(const Wire<double>& wire,
+                                                const SmoothHardeningStructure& structure);
+
 class SimulatedWire {
  public:
   struct Surroundings {
     double stress_Pa;
-    double ambient_K;  ///< temperature of the air and of the clamps
+    double ambient_K;  ///< temperature of the air and of what the clamps are fastened to
     double draught;    ///< factor on still-air convection
   };
 
@@ -94,6 +126,7 @@ class SimulatedWire {
 struct Structure {
   SublayerStructure sublayers;
   FreeEnergyStructure free_energy;
+  SmoothHardeningStructure smooth_hardening;
 };
 
 /// The wire is at rest at 25 °C without load. Its scatter is drawn from `random`.

@@ -158,6 +158,8 @@ void add_evaluate_command(CLI::App& app) {
   for (const replay::ObserverKind& kind : replay::observer_kinds()) {
     observers.emplace_back(kind.name);
   }
+  std::vector<std::string> families(hal::families.size());
+  std::ranges::transform(hal::families, families.begin(), hal::family_name);
   std::vector<std::string> rows;
   for (const EvaluationRow& row : evaluation_rows()) {
     rows.emplace_back(row.name);
@@ -172,11 +174,10 @@ void add_evaluate_command(CLI::App& app) {
                   *std::ranges::find(hal::families, name, hal::family_name));
             }
           },
-          "families of plants; default: ihyp and sublayers. free-energy is kept for "
-          "tests "
-          "and never used to choose anything")
+          "families of plants; default: ihyp and sublayers. free-energy and smooth-hardening are "
+          "kept for tests and never used to choose anything")
       ->delimiter(',')
-      ->check(CLI::IsMember(std::vector<std::string>{"ihyp", "sublayers", "free-energy"}));
+      ->check(CLI::IsMember(families));
   command->add_option("--units", options.units, "wires of each family")->capture_default_str();
   command->add_option("--runs", options.runs,
                       "runs of each row; default: for each unit 84 of disturbed, 18 of the others");

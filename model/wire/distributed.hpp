@@ -4,6 +4,7 @@
 // know only the lumped one.
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "model/kinetics.hpp"
@@ -34,6 +35,13 @@ struct DistributedPlant {
     /// 0: the material's own mixture of resistivities; above 0: the share of the way from phases in
     /// series to phases in parallel (1).
     S parallel_share = S(0);
+    /// Thermal resistance between the wire's end and the ambient temperature that a clamp adds, as
+    /// a length of wire; 0: the clamps are at ambient temperature.
+    S clamp_resistance_m = S(0);
+    /// Share of martensite's strain that is missing without stress; it comes with stress as
+    /// 1 - exp(-σ/σ_H), with σ_H > 0.
+    S strain_deficit = S(0);
+    S strain_saturation_Pa = S(1);
     ConvectionTable<S> convection;
   };
 
@@ -165,8 +173,8 @@ struct DistributedPlant {
     Balance b;
     const S area = p.geometry.area_m2();
     const S conductance = p.heat.clamp_conductivity_W_mK * area * dt_s;
-    b.link_J_K[0] = conductance / (S(0.5) * p.length_m[0]);
-    b.link_J_K[segments] = conductance / (S(0.5) * p.length_m[segments - 1]);
+    b.link_J_K[0] = conductance / (S(0.5) * p.length_m[0] + p.clamp_resistance_m);
+    b.link_J_K[segments] = conductance / (S(0.5) * p.length_m[segments - 1] + p.clamp_resistance_m);
     for (std::size_t i = 1; i < segments; ++i) {
       b.link_J_K[i] = conductance / (S(0.5) * (p.length_m[i - 1] + p.length_m[i]));
     }
@@ -245,7 +253,11 @@ struct DistributedPlant {
     return p.heat.specific_heat_J_kgK * (S(1) + p.specific_heat_1_K * (T - S(room_K)));
   }
   static PerSegment<S> strains(const Params& p, const Profile& now) {
-    const StrainSlopes<S> by = strain_slopes(p.material, now.stress_Pa);
+    StrainSlopes<S> by = strain_slopes(p.material, now.stress_Pa);
+    if (S(0) < p.strain_deficit) {
+      by.martensite -= p.strain_deficit * std::exp(-now.stress_Pa / p.strain_saturation_Pa) *
+                       p.material.martensite.strain;
+    }
     PerSegment<S> strain;
     for (std::size_t i = 0; i < segments; ++i) {
       strain[i] = by.austenite + now.martensite[i] * by.martensite + now.r_phase[i] * by.r_phase;

@@ -37,6 +37,7 @@ STEPS = {
     'wire_step_ihyp': ('simulated wire, ihyp: 1 ms, strain and resistance', None),
     'wire_step_sublayers': ('simulated wire, sublayers: the same', None),
     'wire_step_free-energy': ('simulated wire, free energy: the same', None),
+    'wire_step_smooth-hardening': ('simulated wire, smooth hardening: the same', None),
     'observer_step': ('observer step', 1500),
     'multiple_model_step': ('observer step of the multiple-model filter', None),
     'control_step': ("controller's step, closed loop in strain", 700),

@@ -132,8 +132,8 @@ FIGURES = {
         'written', 'errors of the observers on random wires', ['observer/README.md'],
         f'{HOST_SIM} evaluate --markdown observer/README.md', 7200, ['host-sim']),
     'families': Figure(
-        'written', 'the same on a family that nothing was chosen with', ['observer/README.md'],
-        f'{HOST_SIM} evaluate --family free-energy --runs 108 '
+        'written', 'the same on families that nothing was chosen with', ['observer/README.md'],
+        f'{HOST_SIM} evaluate --family free-energy,smooth-hardening --runs 216 '
         '--row standard,disturbed,light,uncalibrated,hold,coarse --markdown observer/README.md', 7200, ['host-sim']),
     'closed-loop': Figure(
         'written', 'how well the device holds a strain', ['firmware/README.md'],

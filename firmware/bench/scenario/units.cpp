@@ -57,6 +57,23 @@ hal::FreeEnergyStructure random_barriers(Dice& dice) {
           .specific_heat_1_K = dice.uniform(0, 1e-3)};
 }
 
+hal::SmoothHardeningStructure random_hardening(Dice& dice) {
+  return {.m2a_first = dice.uniform(0.7, 1),
+          .m2a_last = dice.uniform(0.5, 0.9),
+          .a2m_first = dice.uniform(0.5, 0.9),
+          .a2m_last = dice.uniform(0.4, 0.8),
+          .a2r_first = dice.uniform(0.8, 1),
+          .a2r_last = dice.uniform(0.2, 0.5),
+          .a2r_width = dice.uniform(1.2, 1.5),
+          .r_hysteresis_K = dice.uniform(2.5, 5.5),
+          .strain_deficit = dice.uniform(0.05, 0.25),
+          .saturation_Pa = dice.uniform(40e6, 100e6),
+          .parallel_share = dice.uniform(0.5, 0.8),
+          .specific_heat_1_K = dice.uniform(1e-4, 5e-4),
+          .conduction = dice.uniform(0.65, 0.95),
+          .clamp_resistance_m = dice.uniform(0.15e-3, 0.45e-3)};
+}
+
 }  // namespace
 
 WireUnit random_unit(hal::Family family, std::uint64_t seed) {
@@ -99,8 +116,10 @@ WireUnit random_unit(hal::Family family, std::uint64_t seed) {
     k.r2m = vary(first_surface(k.a2m_a2r), 1.0, dice);
   } else if (family == hal::Family::sublayers) {
     unit.structure.sublayers = random_structure(dice);
-  } else {
+  } else if (family == hal::Family::free_energy) {
     unit.structure.free_energy = random_barriers(dice);
+  } else {
+    unit.structure.smooth_hardening = random_hardening(dice);
   }
   return unit;
 }

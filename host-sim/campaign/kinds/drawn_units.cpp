@@ -71,7 +71,8 @@ std::vector<hal::Family> families_of(KindTable& table) {
   for (const std::string& name : table.keys().texts("families")) {
     const auto* const found = std::ranges::find(hal::families, name, hal::family_name);
     if (found == hal::families.end()) {
-      table.keys().fail("families", "must be some of: ihyp, sublayers, free-energy");
+      table.keys().fail("families",
+                        "must be some of: ihyp, sublayers, free-energy, smooth-hardening");
     }
     families.push_back(*found);
   }

@@ -107,6 +107,67 @@ TEST_P(SimulatedFamily, EndsStayColdAndAirCools) {
   EXPECT_LT(wire->hottest_K(), still_K - 5);
 }
 
+/// The temperature at which this share has become martensite, or austenite again.
+double soaked_K(hal::SimulatedWire& wire, double stress_MPa, double share, bool heating) {
+  const double sign = heating ? 1 : -1;
+  double T = heating ? 250 : 500;
+  // From so far away that the tails of the ihyp curve are over.
+  wire.rest(-sign * 1e6, 1e6 * stress_MPa);
+  wire.soak(T, 1e6 * stress_MPa);
+  const auto converted = [&] {
+    const double martensite = wire.phases().martensite;
+    return heating ? 1 - martensite : martensite;
+  };
+  while (converted() < share) {
+    T += sign * 0.01;
+    wire.soak(T, 1e6 * stress_MPa);
+  }
+  return T;
+}
+
+TEST(SimulatedWires, SmoothHardeningTakesItsTemperaturesFromTheWire) {
+  const Wire<double> wire = files::load_wire(std::string(files::default_wire)).wire;
+  std::mt19937_64 random(1);
+  // Every segment of `ihyp` has the wire's surfaces.
+  const auto is = hal::make_simulated_wire(hal::Family::smooth_hardening, wire, {}, 0, random);
+  const auto as = hal::make_simulated_wire(hal::Family::ihyp, wire, {}, 0, random);
+  for (const bool heating : {false, true}) {
+    const auto off_K = [&](double stress_MPa, double share) {
+      return soaked_K(*is, stress_MPa, share, heating) - soaked_K(*as, stress_MPa, share, heating);
+    };
+    EXPECT_NEAR(off_K(0, 0.5), 0, 0.03);
+    EXPECT_NEAR(off_K(400, 0.5), 0, 0.03);
+    EXPECT_NEAR(off_K(0, 0.8) - off_K(0, 0.2), 0, 0.04);
+    // Over stress it goes its own way: the strain that the stress works on is less at first.
+    EXPECT_LT(off_K(150, 0.5), -0.5);
+    EXPECT_GT(off_K(150, 0.5), -4);
+  }
+}
+
+/// The ends of a hot wire are martensite, over less than its file's conductivity would keep cold.
+TEST(SimulatedWires, SmoothHardeningHasColdEndsOfItsOwn) {
+  const Wire<double> wire = files::load_wire(std::string(files::default_wire)).wire;
+  std::mt19937_64 random(1);
+  const auto left = [&](const hal::SmoothHardeningStructure& structure) {
+    const auto hot = hal::make_simulated_wire(hal::Family::smooth_hardening, wire,
+                                              {{}, {}, structure}, 0, random);
+    hot->rest(room_K, 150e6);
+    for (int i = 0; i < 10000; ++i) {
+      hot->advance(0.15, {150e6, room_K, 1}, 1e-3);
+    }
+    EXPECT_GT(hot->hottest_K(), 385);
+    return hot->phases().martensite;
+  };
+  hal::SmoothHardeningStructure structure;
+  const double own = left(structure);
+  structure.conduction = 1;
+  structure.clamp_resistance_m = 0;
+  const double as_in_the_file = left(structure);
+  EXPECT_LT(own, 0.85 * as_in_the_file);
+  EXPECT_GT(own, 0.5 * as_in_the_file);
+  EXPECT_GT(own, 0.015);
+}
+
 TEST(SimulatedWires, FamiliesDifferInMoreThanNoise) {
   // The same wire and the same currents; a calibrated observer has errors of 0.2 % of stroke.
   const Wire<double> wire = files::load_wire(std::string(files::default_wire)).wire;

@@ -125,7 +125,8 @@ TEST_F(CampaignGains, TheFingerprintHasAllThatTheDeviceKnows) {
 
 TEST_F(CampaignGains, RefusesWhatCannotBeDrawn) {
   EXPECT_THAT(refusal("families = ['ihyp', 'other']\n"),
-              AllOf(HasSubstr("gains.families"), HasSubstr("ihyp, sublayers, free-energy")));
+              AllOf(HasSubstr("gains.families"),
+                    HasSubstr("ihyp, sublayers, free-energy, smooth-hardening")));
   EXPECT_THAT(refusal("families = []\n"), HasSubstr("gains.families"));
   EXPECT_THAT(refusal("units = 3\n"), HasSubstr("gains.units = 3: unknown key"));
   folder_.write("loop.toml", "note = 'No loop.'\n");

@@ -1,5 +1,6 @@
 #include "firmware/bench/scenario/units.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
@@ -31,6 +32,11 @@ TEST(RandomUnit, SeedAndFamilyDecide) {
             bench::random_unit(hal::Family::sublayers, 7).structure.sublayers.seed);
   EXPECT_NE(bench::random_unit(hal::Family::sublayers, 7).structure.sublayers.seed,
             bench::random_unit(hal::Family::sublayers, 8).structure.sublayers.seed);
+  const auto smooth = [](std::uint64_t seed) {
+    return bench::random_unit(hal::Family::smooth_hardening, seed).structure.smooth_hardening;
+  };
+  EXPECT_EQ(smooth(7).clamp_resistance_m, smooth(7).clamp_resistance_m);
+  EXPECT_NE(smooth(7).clamp_resistance_m, smooth(8).clamp_resistance_m);
 }
 
 TEST(RandomUnit, SpreadsAsOneWireFromAnother) {
@@ -66,6 +72,31 @@ TEST(RandomUnit, EveryWireIsOneThatAFileMayDescribe) {
       EXPECT_NO_THROW(files::parse_wire(files::to_toml(wire), wire.name)) << wire.name;
     }
   }
+}
+
+TEST(RandomUnit, SmoothHardeningHasRPhaseOnCoolingAndLittleOnHeating) {
+  double most_heated = 0;
+  double sum = 0;
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    const bench::WireUnit unit = bench::random_unit(hal::Family::smooth_hardening, seed);
+    std::mt19937_64 random;
+    const auto wire =
+        hal::make_simulated_wire(unit.family, unit.wire.wire, unit.structure, 0, random);
+    double most_cooled = 0;
+    wire->rest(450, 10e6);
+    for (double T = 450; T > 250; T -= 0.5) {
+      wire->soak(T, 10e6);
+      most_cooled = std::max(most_cooled, wire->phases().r_phase);
+    }
+    sum += most_cooled;
+    wire->rest(200, 0);
+    for (double T = 250; T < 450; T += 0.5) {
+      wire->soak(T, 0);
+      most_heated = std::max(most_heated, wire->phases().r_phase);
+    }
+  }
+  EXPECT_NEAR(sum / 50, 0.7, 0.1);
+  EXPECT_LT(most_heated, 0.03);
 }
 
 TEST(RandomUnit, TypeFileIsThePresetWithTheUnitsColdResistance) {
