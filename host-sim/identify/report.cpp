@@ -35,7 +35,9 @@ std::string heading(const Identification& all) {
 
 std::string structure(const FitVariant& v) {
   return fmt::format("{}, {}, {}, resistivities {}",
-                     v.separate_r2a ? "R2A on a surface of its own" : "R2A as M2A",
+                     v.r2a_near_a2r   ? "R2A on a surface of its own, found near A2R"
+                     : v.separate_r2a ? "R2A on a surface of its own"
+                                      : "R2A as M2A",
                      v.separate_r2m ? "R2M on a surface of its own" : "R2M as A2M",
                      v.memory == Memory::return_point ? "inner loops close at their return points"
                                                       : "inner loops without memory",

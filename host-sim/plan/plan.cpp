@@ -81,8 +81,10 @@ class Expectation {
   Expectation(const Wire<double>& wire, double dt_s)
       : wire_(wire),
         dt_s_(dt_s),
-        variant_{wire.kinetics.separate_r2a, wire.kinetics.separate_r2m, wire.kinetics.memory,
-                 wire.material.mixture, false},
+        variant_{.separate_r2a = wire.kinetics.separate_r2a,
+                 .separate_r2m = wire.kinetics.separate_r2m,
+                 .memory = wire.kinetics.memory,
+                 .mixture = wire.material.mixture},
         problem_{wire_,
                  variant_,
                  identify::fit_parameters(wire_, variant_),

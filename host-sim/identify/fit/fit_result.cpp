@@ -164,6 +164,41 @@ void Fit::weigh() {
   }
 }
 
+/// The remaining errors now. The weights of the fit stay as they are.
+Unexplained Fit::unexplained() {
+  const std::vector<Weights> used = weights_;
+  const bool weighed = std::exchange(weighed_, false);
+  weigh();
+  weighed_ = weighed;
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    const bool in_time = runs_[i].kind != RunKind::calorimetry;
+    weights_[i].strain_independent *= in_time && runs_[i].has_strain ? 1 : 0;
+    weights_[i].resistance_independent *= in_time && runs_[i].has_resistance ? 1 : 0;
+  }
+  double prior = 0;
+  for (const double u : u_.wire) {
+    prior += 0.5 * u * u;
+  }
+  return {std::exchange(weights_, used), prior};
+}
+
+double gain(const Unexplained& from, const Unexplained& to) {
+  double sum = from.prior - to.prior;
+  for (std::size_t i = 0; i < from.errors.size(); ++i) {
+    const Weights& a = from.errors[i];
+    const Weights& b = to.errors[i];
+    const auto add = [&](double Weights::* sd, double Weights::* independent) {
+      if (b.*sd > 0) {
+        sum += std::min(a.*independent, b.*independent) * std::log(a.*sd / (b.*sd));
+      }
+    };
+    add(&Weights::strain_sd, &Weights::strain_independent);
+    add(&Weights::resistance_sd, &Weights::resistance_independent);
+    add(&Weights::power_sd, &Weights::power_independent);
+  }
+  return sum;
+}
+
 FittedRun Fit::fitted(std::size_t i) {
   const RunCost cost = run_cost(i);
   const std::vector<double> u = deviations(i);

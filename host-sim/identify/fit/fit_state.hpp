@@ -39,6 +39,18 @@ struct StressPart {
   std::function<double(double stress_Pa)> of_stress;
 };
 
+/// What a fit leaves unexplained: the remaining errors of all channels, as the weights that follow
+/// from them, and half the sum of the squared deviations.
+struct Unexplained {
+  std::vector<Weights> errors;
+  double prior;
+};
+
+/// By how much the second of two fits to the same runs is the likelier one, in natural logarithms.
+/// The errors count as Gaussian, and as independent where the fit that finds less of them
+/// independent says so.
+double gain(const Unexplained& from, const Unexplained& to);
+
 class Fit {
  public:
   Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOptions& options);
@@ -76,6 +88,8 @@ class Fit {
     return solve(stage, everything(), all, iterations);
   }
   double cost(const Runs& which);
+  void fit_all(const std::string& name);
+  void try_r2a_near_a2r(const Deviations& start);
   void try_variants();
   /// Replaces the coarsely thinned runs by finely thinned ones.
   void refine();
@@ -99,6 +113,7 @@ class Fit {
   // fit_result.cpp
   void apportion(std::size_t i);
   void weigh();
+  Unexplained unexplained();
   FittedRun fitted(std::size_t i);
   void accuracy(Accuracy<double>& of) const;
   void describe(FitResult& result);
@@ -110,6 +125,7 @@ class Fit {
   std::vector<FitRun> runs_;
   std::vector<bool> zero_known_;
   std::vector<CircumstanceParameters> circumstances_;
+  std::vector<Weights> first_weights_;  ///< before the residuals are known
   std::vector<Weights> weights_;
   bool weighed_ = false;  ///< the weights come from residuals, not from the initial assumptions
   std::unique_ptr<FitProblem> problem_;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "model/wire/wire.hpp"
@@ -61,6 +62,8 @@ struct FitParameter {
 /// Parts of a fit besides the parameters that every wire has.
 struct FitVariant {
   bool separate_r2a = false;  ///< R2A has a surface of its own
+  /// That surface is sought near A2R's, not where the wire at the start of the fit has R2A.
+  bool r2a_near_a2r = false;
   bool separate_r2m = false;
   Memory memory = Memory::return_point;
   Mixture mixture = Mixture::series;
@@ -74,6 +77,18 @@ inline bool is_of_process(std::string_view key) {
   constexpr std::string_view processes[] = {"wire.m2a", "wire.a2m", "wire.a2r", "wire.r2a",
                                             "wire.r2m"};
   return std::ranges::any_of(processes, [&](auto process) { return key.starts_with(process); });
+}
+
+/// The surface of an R-phase that becomes austenite `hysteresis_K` above where it came from
+/// austenite. What came last goes first.
+inline Surface<double> r2a_above(const Surface<double>& a2r, double hysteresis_K) {
+  Surface<double> r2a = a2r;
+  std::swap(r2a.start_K, r2a.finish_K);
+  r2a.start_K[0] += hysteresis_K;
+  r2a.finish_K[0] += hysteresis_K;
+  r2a.turning[0] = 1 - a2r.turning[0];
+  r2a.turning[1] = -a2r.turning[1];
+  return r2a;
 }
 
 namespace detail {
@@ -170,6 +185,14 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
   return to.surface(T(max_Pa));
 }
 
+/// The surface of R2A before the fit. The R-phase of NiTi has a hysteresis of 2 to 6 K
+/// (literature).
+inline Surface<double> r2a_before(const ThreePhaseParams<double>& from, const FitVariant& variant) {
+  return variant.r2a_near_a2r ? r2a_above(second_surface(from.a2m_a2r), 4)
+         : from.separate_r2a  ? from.r2a
+                              : from.m2a;
+}
+
 template <class T, class Take>
 ThreePhaseParams<T> vary_kinetics(const ThreePhaseParams<double>& from, double max_Pa,
                                   const FitVariant& variant, Take& take) {
@@ -185,7 +208,7 @@ ThreePhaseParams<T> vary_kinetics(const ThreePhaseParams<double>& from, double m
   to.separate_r2a = variant.separate_r2a;
   to.separate_r2m = variant.separate_r2m;
   if (variant.separate_r2a) {
-    to.r2a = surface(from.separate_r2a ? from.r2a : from.m2a, "r2a", 6, 0.5);
+    to.r2a = surface(r2a_before(from, variant), "r2a", 6, 0.5);
   }
   if (variant.separate_r2m) {
     to.r2m = surface(from.separate_r2m ? from.r2m : a2m, "r2m", 6, 0.5);
