@@ -302,7 +302,8 @@ void Fit::fit_all(const std::string& name) {
 /// goes to austenite far below martensite leaves that fit in a local minimum, where the resistance
 /// fits badly and therefore weighs little: no structure that begins there gets out of it.
 void Fit::try_r2a_near_a2r(const Deviations& start) {
-  if (interrupted_ || levels().empty()) {
+  const auto calorimetry = [](const FitRun& run) { return run.kind == RunKind::calorimetry; };
+  if (interrupted_ || std::ranges::all_of(runs_, calorimetry)) {
     return;
   }
   const FitVariant variant = problem_->variant;

@@ -101,14 +101,17 @@ void Fit::rise() {
 }
 
 /// The wire with the structure that was found. Reals that no deviation has moved are copied from
-/// the wire before the fit, because computing them again would round them.
+/// the wire before the fit, because computing them again would round them. An R2A that was sought
+/// near A2R has nothing from there.
 Wire<double> Fit::restored(const Wire<double>& wire) const {
   const Wire<double> unmoved =
       vary_wire<double>(problem_->from, problem_->variant,
                         [](const FitParameter& parameter) { return parameter.value(0.0); });
   Wire<double> now = wire;
+  const bool own_r2a = !problem_->variant.r2a_near_a2r;
   for (const WireParameter<double>& row : wire_parameters<double>) {
-    if (row.type == ValueType::real && row.is_used(from_) && row.is_used(wire) &&
+    const bool from_before = own_r2a || row.needs != Needs::own_r2a;
+    if (from_before && row.type == ValueType::real && row.is_used(from_) && row.is_used(wire) &&
         row.get(wire) == row.get(unmoved)) {
       row.set(now, row.get(from_));
     }
