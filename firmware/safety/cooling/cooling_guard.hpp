@@ -12,17 +12,34 @@
 // one is probed: its power is cut until the resistance rises.
 //
 //             less than 30 % is left                a probe is wanted (wants_probe),
-//             of martensite and R-phase             or the cooling has changed (doubt, settle)
+//             of martensite and R-phase,            or the cooling has changed (doubt, settle),
+//             or of what the resistance             or the resistance says that the wire
+//             can tell from hot (seems_hot)         is too hot (hotter_than_told)
 //     cold -----------------------------> hot -----------------------------------> probing
 //      |                                   |                                          |
 //      | <---------------------------------+------------------------------------------+
 //      |    the resistance rises: judge() takes the time of cooling for a verdict
-//      |    the observer has the wire cold: nothing is told, but see follow()
+//      |    the observer has the wire cold, by martensite: nothing is told, but see follow()
 //      |    no resistance can be read for 30 ms, or the loop stood still: nothing is told
 //      |    probing for 16 time constants without a rise: the verdict is weak
 //      |
 //      + off until the wire has the air's temperature: all is forgotten, since a fan may have
 //      stopped
+//
+// R-phase is a belief that costs heat. A hot wire that is cooled less than its file says has a
+// resistance that is 1 to 2 % higher; a reading that is off may add as much. An observer explains
+// this by 30 to 40 % of R-phase, cold at the same power, and would keep such a wire too hot for any
+// time. Martensite raises the resistance by more than any heat. So R-phase counts by a quarter
+// only, and a wire that may be hot is followed as a hot one: the heat balances go on, and when the
+// power has been too much for the least cooling that is possible, the wire is probed. A wire that
+// really is R-phase then answers at once, its cooling is confirmed, and the power goes on. Within
+// a second after a test R-phase is believed, since the test has shown it. When the observer, too,
+// has the wire hot, the observation begins anew: the heat balances have no latent heat, and are
+// too hot by up to 40 K after a transformation.
+//
+// The same heat also raises the resistance of a wire whose verdict stands. If it rises although by
+// the file's cooling the wire is too hot to transform, and so far that the wire would be above its
+// limit, it is probed again; where this told nothing, after twice the time as before.
 //
 // The verdict says what the last test told, and when a wire that is hot is probed again:
 //
@@ -41,7 +58,8 @@
 //
 // Where a number below has no other source it was chosen on simulated wires, by the temperatures of
 // `host-sim evaluate --closed-loop --random-from 50000` and by held strains (commits e0eb91cd and
-// 0e1184e1 have the tables); firmware/README.md says how well it holds on other seeds.
+// 0e1184e1 have the tables); what concerns R-phase, and the rise of the resistance,
+// on 10 000 of them from seed 7000000 on. firmware/README.md says how well it holds on other seeds.
 
 #include "firmware/safety/cooling/cooling_shares.hpp"
 #include "firmware/safety/cooling/resistance_watch.hpp"
@@ -59,6 +77,7 @@ struct CoolingGuard {
   enum class Verdict : std::uint8_t { none, confirmed, weak, overheated };
 
   Phase phase;
+  bool doubted;              ///< the wire is followed as a hot one though the observer has it cold
   CoolingShares<S> shares;   ///< since the wire became hot
   ResistanceWatch<S> watch;  ///< likewise
 
@@ -70,7 +89,8 @@ struct CoolingGuard {
     std::uint8_t least;   ///< index of the least share that is still possible, where none
     std::uint8_t doubts;  ///< tests in a row that told too little
     S lease_s;            ///< time for which `confirmed` is valid while the wire is pressed
-    S since_s;            ///< time since the last test, up to 1000
+    S trust_s;  ///< time after a test in which a rise of the resistance is no reason for one
+    S since_s;  ///< time since the last test, up to 1000
   } told;
 
   S probed_s;     ///< time for which the probe has lasted
@@ -93,6 +113,8 @@ struct CoolingGuard {
   /// cooling is known, and in which probes would only disturb.
   void confirm() {
     told.verdict = Verdict::confirmed;
+    told.cooling = S(1);
+    told.lease_s = last_lease_s;
     told.since_s = watch.held_K = S(0);
   }
   /// To be called after the loop stood still: a cooling whose beginning was not observed has no
@@ -101,7 +123,7 @@ struct CoolingGuard {
     phase = Phase::cold;
     told.verdict = weak() ? told.verdict : Verdict::none;
   }
-  /// Cost: 120 operations while the wire is hot, three divisions among them; else next to none.
+  /// Cost: 140 operations while the wire is hot, five divisions among them; else next to none.
   void advance(const MonitorInputs<S>& seen);
 
  private:
@@ -115,6 +137,13 @@ struct CoolingGuard {
   // The transitions. Of martensite and R-phase together a wire has less than the first share when
   // it becomes hot, and more than the second where the resistance has told nothing.
   static constexpr S becomes_hot = S(0.3), is_cold = S(0.6);
+  /// What R-phase counts in seems_hot(). It raises the resistance by half of what martensite does,
+  /// and the observer explains up to 2.5 % by a drift besides, so that some half of that may be
+  /// heat, or a reading that is off.
+  static constexpr S r_phase_share = S(0.25);
+  /// For believes_s(). Of a wire that is cooled less the power is limited only while it is followed
+  /// as a hot one; but `overheated` must have tripped before.
+  static constexpr S believed_s = S(1), believed_weak_s = S(0.05);
   /// If A2M begins this far above A2R, the resistance of a cooling wire rises too little to be
   /// seen.
   static constexpr S a2m_before_a2r_K = S(25);
@@ -133,7 +162,8 @@ struct CoolingGuard {
   /// transformation is known only within 7 K.
   static constexpr S told_apart_K = S(20);
   /// A test is good if the spread of the temperatures, or the cooling that it finds, is above
-  /// these.
+  /// these. Of a wire that is known to be cooled less, only the spread counts: its test begins with
+  /// an uncertain temperature, and may find too much.
   static constexpr S good_K = S(50), good = S(0.9);
   /// A short test found up to 0.2 of the share too much. So a result that is not good needs more,
   /// and three of them in a row count as one that is good.
@@ -152,6 +182,15 @@ struct CoolingGuard {
   static constexpr S pressed_K = S(12);  ///< distance within which a wire can be pressed
   static constexpr S pressed_s = S(0.5), pressed_cold = S(0.05);
   static constexpr S first_lease_s = S(1), last_lease_s = S(20), again_s = S(5);
+  /// A rise of the resistance counts as heat where by the file's cooling the wire is this far above
+  /// the beginning of the transformation. With up to 1.3 of the file's cooling it truly is above
+  /// it.
+  static constexpr S above_start_K = S(12);
+  /// It leads to a test where the mean is this far above its limit: with the limits of the other
+  /// guards a wire is held at the limit itself, and a few kelvins above it by their noise.
+  static constexpr S beyond_K = S(8);
+  /// After a test the resistance first has to be read again. Each such test doubles the time.
+  static constexpr S first_trust_s = S(0.05), next_trust_s = S(0.5), last_trust_s = S(16);
 
   bool confirmed() const { return told.verdict == Verdict::confirmed; }
   S whole_K() const { return shares.temperature_K[Shares::whole]; }
@@ -165,6 +204,14 @@ struct CoolingGuard {
   static bool too_hot(const MonitorInputs<S>& seen, const S& wire_K) {
     return max_K(seen) + allowed_K < wire_K + hot_spot * seen.prepared.settings.limits.hot_spot_K;
   }
+  /// Whether the resistance does not exclude that the wire is austenite.
+  static bool seems_hot(const MonitorInputs<S>& seen) {
+    return seen.estimate.martensite + r_phase_share * seen.estimate.r_phase < becomes_hot;
+  }
+  /// Time after a test in which R-phase is believed, since it has raised the resistance.
+  S believes_s() const {
+    return !(S(0) < told.lease_s) ? S(0) : weak() ? believed_weak_s : believed_s;
+  }
   static Starts starts(const MonitorInputs<S>& seen);
 
   void count(const MonitorInputs<S>& seen);
@@ -176,6 +223,7 @@ struct CoolingGuard {
   void settle(const MonitorInputs<S>& seen);
   bool is_pressed(const MonitorInputs<S>& seen) const;
   bool wants_probe(const MonitorInputs<S>& seen) const;
+  bool hotter_than_told(const MonitorInputs<S>& seen, const S& starts_K);
 };
 
 template <class S>
@@ -185,12 +233,15 @@ void CoolingGuard<S>::advance(const MonitorInputs<S>& seen) {
     *this = CoolingGuard{};
     return;
   }
-  const S cold = seen.estimate.martensite + seen.estimate.r_phase;
-  if (phase == Phase::cold && !(cold < becomes_hot)) {
+  const bool austenite = seen.estimate.martensite + seen.estimate.r_phase < becomes_hot;
+  const bool begins = phase == Phase::cold
+                          ? austenite || (seems_hot(seen) && believes_s() < told.since_s)
+                          : phase == Phase::hot && doubted && austenite;
+  if (phase == Phase::cold && !begins) {
     return;
   }
   const Starts start = starts(seen);
-  if (phase != Phase::cold || begin(seen, start)) {
+  if (!begins || begin(seen, start)) {
     follow(seen, start);
   }
 }
@@ -219,6 +270,7 @@ bool CoolingGuard<S>::begin(const MonitorInputs<S>& seen, const Starts& start) {
     return false;
   }
   phase = Phase::hot;
+  doubted = !(seen.estimate.martensite + seen.estimate.r_phase < becomes_hot);
   shares.start(seen.estimate.temperature_K);
   watch.start(seen.estimate.temperature_K);
   told.verdict = overheated() ? Verdict::weak : told.verdict;
@@ -238,8 +290,9 @@ void CoolingGuard<S>::follow(const MonitorInputs<S>& seen, const Starts& start) 
   }
   blind_s = S(0);
   watch.take(seen);
+  const S starts_K = start.a2r_K < start.a2m_K ? start.a2m_K : start.a2r_K;
   if (watch.risen()) {
-    judge(seen, (start.a2r_K < start.a2m_K ? start.a2m_K : start.a2r_K) - below_start_K);
+    judge(seen, starts_K - below_start_K);
     return;
   }
   const ThermalBody<S>& body = seen.prepared.observer.model.body;
@@ -251,7 +304,7 @@ void CoolingGuard<S>::follow(const MonitorInputs<S>& seen, const Starts& start) 
     end(Verdict::weak);
     return;
   }
-  if (is_cold < seen.estimate.martensite + seen.estimate.r_phase) {
+  if (is_cold < seen.estimate.martensite + seen.estimate.r_phase && !seems_hot(seen)) {
     // Where A2M comes first the resistance may not rise, but the wire has become cold in time.
     const bool in_time = probing() && start.a2r_K < start.a2m_K && !weak();
     end(in_time ? Verdict::confirmed : told.verdict);
@@ -263,9 +316,22 @@ void CoolingGuard<S>::follow(const MonitorInputs<S>& seen, const Starts& start) 
   } else if (found == ResistanceWatch<S>::Finding::settled) {
     settle(seen);
   }
-  if (!probing() && wants_probe(seen)) {
+  const bool hotter = hotter_than_told(seen, starts_K);
+  if (!probing() && (hotter || wants_probe(seen))) {
     phase = Phase::probing;
+    told.trust_s =
+        hotter ? clamp(told.trust_s + told.trust_s, next_trust_s, last_trust_s) : told.trust_s;
   }
+}
+
+/// Whether the resistance has risen as if the wire were too hot, and no test has been made because
+/// of it lately.
+template <class S>
+bool CoolingGuard<S>::hotter_than_told(const MonitorInputs<S>& seen, const S& starts_K) {
+  const S rise_K = watch.hotter_K(seen, whole_K());
+  return S(0) < rise_K && starts_K + above_start_K < whole_K() &&
+         mean_max_K(seen) + beyond_K < whole_K() + rise_K &&
+         told.trust_s + first_trust_s < told.since_s;
 }
 
 /// Ends the observation of a cooling with this verdict.
@@ -304,11 +370,13 @@ void CoolingGuard<S>::judge(const MonitorInputs<S>& seen, const S& transforms_K)
     return;
   }
   const typename Shares::Match match = shares.match(transforms_K);
-  told.cooling = match.cooling;
-  told.share = match.share;
-  const bool is_good = good < match.cooling || good_K < shares.spread_K();
+  const bool is_good = (good < match.cooling && !weak()) || good_K < shares.spread_K();
   told.doubts = is_good ? std::uint8_t{0} : static_cast<std::uint8_t>(told.doubts + 1U);
   const bool decided = is_good || max_doubts <= told.doubts;
+  if (decided || !weak() || match.cooling < told.cooling) {
+    told.cooling = match.cooling;
+    told.share = match.share;
+  }
   const S needed = weak() ? enough_again : decided && !is_good ? enough_in_doubt : enough;
   const bool less = match.cooling < needed;
   told.doubts = decided ? std::uint8_t{0} : told.doubts;

@@ -28,10 +28,11 @@ struct ResistanceWatch {
   S slow_K;     ///< temperature as computed with the file's cooling, low-pass filtered
   S lowest;     ///< lowest share since the last test, while not hotter than top_K; 0: none yet
   S top_K;
+  S coolest;  ///< lowest share since the wire became hot, less what its heat adds; 0: none yet
 
   /// Begins anew with a wire that has become hot and has this temperature. top_K is kept.
   void start(const S& wire_K) {
-    share = noise = min = steady = held_K = settled_s = lowest = S(0);
+    share = noise = min = steady = held_K = settled_s = lowest = coolest = S(0);
     slow_K = wire_K;
   }
   /// Drops the references, the held state and the lowest share: nothing is compared with them.
@@ -41,6 +42,10 @@ struct ResistanceWatch {
   void take(const MonitorInputs<S>& seen);
   /// Whether the resistance is so far above its lowest value that martensite or R-phase has formed.
   bool risen() const { return min + rise * min + noises * noise < share; }
+  /// By how much the wire is hotter than computed, if it is austenite as it was when its resistance
+  /// was lowest; 0 if that is within what noise, load and the last martensite may do. `wire_K`:
+  /// temperature as computed with the file's cooling. Cost: two divisions.
+  S hotter_K(const MonitorInputs<S>& seen, const S& wire_K);
   /// `wire_K`: temperature as computed with the file's cooling; `since_s`: time since the last
   /// test.
   Finding look(const MonitorInputs<S>& seen, const S& wire_K, const S& since_s);
@@ -67,6 +72,10 @@ struct ResistanceWatch {
   static constexpr S goes_s = S(3), goes_from_s = S(0.1);
   /// For this time after a test the lowest share is recorded, but not yet compared.
   static constexpr S lowest_after_s = S(2);
+  /// Least rise that counts as heat: that of 9 K of austenite.
+  static constexpr S hotter = S(2e-3);
+  /// Temperature for which `coolest` is kept; any one does.
+  static constexpr S reference_K = S(350);
   /// Fall that counts as far: if a strain held at 110 °C loses half its cooling, the wire seems
   /// 42 K colder.
   static constexpr S fallen_K = S(20);
@@ -84,6 +93,19 @@ void ResistanceWatch<S>::take(const MonitorInputs<S>& seen) {
   share = S(0) < share ? share + (now - share) * (seen.dt_s / (seen.dt_s + within_s)) : now;
   noise += (magnitude(now - share) - noise) * (noise_1_s * seen.dt_s);
   min = S(0) < min && min < share ? min : share;
+}
+
+template <class S>
+S ResistanceWatch<S>::hotter_K(const MonitorInputs<S>& seen, const S& wire_K) {
+  if (!seen.precise()) {
+    return S(0);
+  }
+  const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
+  const S by_K = a.resistivity_ohm_m_K / a.resistivity_ohm_m;
+  const S now = share - share * by_K * (wire_K - reference_K);
+  coolest = S(0) < coolest && coolest < now ? coolest : now;
+  const S above = now - coolest;
+  return above < hotter * coolest + noises * noise ? S(0) : above / (coolest * by_K);
 }
 
 template <class S>

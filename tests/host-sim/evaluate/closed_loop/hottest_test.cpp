@@ -13,7 +13,7 @@ std::vector<CalibratedUnit> hottest_units() {
   return calibrated_units(1, 1000, test::source_folder() + "/tests/golden/evaluate");
 }
 
-/// Seed 36 loses two thirds of its cooling while it is off: 14.7 K above, and a fault.
+/// Seed 36 loses two thirds of its cooling while it is off: 9.0 K above, and a fault.
 TEST(Hottest, HardlyAboveTheLimitAndTheSameOnAnyNumberOfThreads) {
   const std::vector<CalibratedUnit> units = hottest_units();
   const auto runs = run_hottest(units, 1, 60, 1, [](std::size_t) {});
