@@ -1,6 +1,7 @@
 #pragma once
-// The parameters of the wire: the rows of model/wire/wire_parameters.hpp with their keys. No real
-// has a default: a device whose wire is not set is not configured.
+// The parameters of the wire: the rows of model/wire/wire_parameters.hpp with their keys. Reals
+// have a default only where it means the model of paper 000: a device whose wire is not set is not
+// configured.
 
 #include "firmware/parameters/parameter.hpp"
 
@@ -13,12 +14,12 @@ struct WireObject {
 };
 /// The objects in the order of the rows. The maker's limits are at 211Ch, the device's own limits
 /// at 2020h.
-inline constexpr auto wire_objects = std::to_array<WireObject>({{0x2110, 7},
-                                                                {0x2111, 10},
-                                                                {0x2112, 10},
-                                                                {0x2113, 10},
-                                                                {0x2114, 10},
-                                                                {0x2115, 10},
+inline constexpr auto wire_objects = std::to_array<WireObject>({{0x2110, 8},
+                                                                {0x2111, 11},
+                                                                {0x2112, 11},
+                                                                {0x2113, 11},
+                                                                {0x2114, 11},
+                                                                {0x2115, 11},
                                                                 {0x2116, 5},
                                                                 {0x2117, 5},
                                                                 {0x2118, 5},
@@ -51,7 +52,7 @@ constexpr Parameter<S> wire_row() {
   const std::size_t max = w.type == ValueType::choice ? w.choices.size() - 1 : 1;
   return {{wire_key(i), w.type, Change::without_current, Level::set_up, w.needs, w.lane,
            real ? Value::real(static_cast<float>(w.min)) : number(0),
-           real                          ? Value::real(no_default)
+           real ? Value::real(w.known_to_devices ? static_cast<float>(w.standard) : no_default)
            : w.type == ValueType::choice ? number(w.standard)
                                          : number(0),
            real ? Value::real(static_cast<float>(w.max)) : number(static_cast<double>(max)),

@@ -121,10 +121,18 @@ struct WireParameter {
   double standard = std::numeric_limits<double>::quiet_NaN();
   // NOLINTNEXTLINE(readability-redundant-member-init): for designated initializers
   std::string_view follows = {};  ///< how the default follows from others, in words
+  /// A device that was never told this number has the default. Without the other numbers of its
+  /// wire it is not configured.
+  bool known_to_devices = false;
 
   constexpr WireParameter with_default(double value) const {
     WireParameter row = *this;
     row.standard = value;
+    return row;
+  }
+  constexpr WireParameter with_default_in_devices(double value) const {
+    WireParameter row = with_default(value);
+    row.known_to_devices = true;
     return row;
   }
   constexpr WireParameter following(std::string_view words) const {
@@ -211,6 +219,11 @@ struct WireRows {
         flag<k, &K::separate_r2m>("wire.separate_r2m",
                                   "true: R2M has its own surface; false: it has that of A2M")
             .following("true where r2m is given"),
+        real<k, &K::loop_odds>(
+            "wire.loops.odds", kind::number, loop_odds_range.min, loop_odds_range.max,
+            "how the order in which the wire's parts become austenite depends on the order in "
+            "which they became martensite: 1 not at all, more: the last ones first")
+            .with_default_in_devices(1),
     });
   }
 
@@ -219,8 +232,13 @@ struct WireRows {
     return &(wire.kinetics.*surface.*polynomial)[i];
   }
 
-  /// The ten coefficients of one transformation process, by power of the stress in Pa; the process
-  /// has a surface of its own, or is one lane of the pair.
+  template <auto surface>
+  static constexpr const void* taper_at(const W& wire) {
+    return &(wire.kinetics.*surface).taper;
+  }
+
+  /// The eleven numbers of one transformation process, coefficients by power of the stress in Pa;
+  /// it has a surface of its own, or is one lane of the pair.
   template <auto surface, Lane lane = Lane::none, Needs needs = Needs::nothing>
   static constexpr auto process(const char* p) {
     using Q = std::remove_cvref_t<decltype(std::declval<K&>().*surface)>;
@@ -257,6 +275,9 @@ struct WireRows {
             "fraction at the turning point of the curve, at 0 Pa", 2),
         row(coefficient<surface, z, 1>, {p, ".turning_1_1_Pa"}, kind::per_stress, -1e-7, 1e-7,
             "linear coefficient of the fraction at the turning point over stress"),
+        row(taper_at<surface>, {p, ".taper"}, kind::number, 0, surface_range.max_taper,
+            "how much sooner both ends of the curve are done than in paper 000, 0: not at all")
+            .with_default_in_devices(0),
     });
   }
 

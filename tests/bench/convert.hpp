@@ -34,7 +34,8 @@ typename ThreePhase<To>::Params convert(const ThreePhase<double>::Params& from) 
           from.separate_r2a,
           from.separate_r2m,
           from.memory,
-          scalar<To>(from.smallest_reversal_K)};
+          scalar<To>(from.smallest_reversal_K),
+          scalar<To>(from.loop_odds)};
 }
 
 template <class To>

@@ -338,7 +338,7 @@ TYPED_TEST_P(ReturnPoints, ClosedInnerLoopsReturnToTheSamePhases) {
     }
   }
   std::printf("worst gap of an inner loop: %.2g\n", worst);
-  EXPECT_LT(worst, 1e-6);
+  EXPECT_LT(worst, TypeParam::rounding);
   EXPECT_GT(widest, 0.3);
 }
 

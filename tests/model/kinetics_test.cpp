@@ -41,6 +41,14 @@ struct ThreePhaseSeparate : ThreePhaseDouble {
   static constexpr int order = 2;
 };
 
+struct ThreePhaseOrdered : ThreePhaseDouble {
+  static Model::Params params() { return ordered_kinetics(); }
+};
+
+struct ThreePhaseOrderedFloat : ThreePhaseFloat {
+  static Model::Params params() { return kinetics_for<float>(ordered_kinetics()); }
+};
+
 struct CosineDouble {
   using Model = papers::Cosine<double>;
   static Model::Params params() { return flexinol_cosine<double>(); }
@@ -96,6 +104,12 @@ struct SubjectName {
     if constexpr (std::is_same_v<Subject, ThreePhaseSeparate>) {
       return "ThreePhaseSeparate";
     }
+    if constexpr (std::is_same_v<Subject, ThreePhaseOrdered>) {
+      return "ThreePhaseOrdered";
+    }
+    if constexpr (std::is_same_v<Subject, ThreePhaseOrderedFloat>) {
+      return "ThreePhaseOrderedFloat";
+    }
     if constexpr (std::is_same_v<Subject, CosineDouble>) {
       return "CosineDouble";
     }
@@ -117,17 +131,20 @@ struct SubjectName {
   }
 };
 
-using All = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
-                             ThreePhasePlain, ThreePhaseSeparate, CosineDouble, CosineFloat,
-                             DuhemDouble, DuhemFloat, LiangRogersDouble, LiangRogersFloat>;
-using Exact = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
-                               ThreePhasePlain, CosineDouble, CosineFloat, DuhemDouble, DuhemFloat,
-                               LiangRogersDouble, LiangRogersFloat>;
+using All =
+    ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat, ThreePhasePlain,
+                     ThreePhaseSeparate, ThreePhaseOrdered, ThreePhaseOrderedFloat, CosineDouble,
+                     CosineFloat, DuhemDouble, DuhemFloat, LiangRogersDouble, LiangRogersFloat>;
+using Exact =
+    ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat, ThreePhasePlain,
+                     ThreePhaseOrdered, ThreePhaseOrderedFloat, CosineDouble, CosineFloat,
+                     DuhemDouble, DuhemFloat, LiangRogersDouble, LiangRogersFloat>;
 using Inexact = ::testing::Types<ThreePhaseSeparate>;
-using InDouble = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhasePlain,
-                                  ThreePhaseSeparate, CosineDouble, DuhemDouble, LiangRogersDouble>;
+using InDouble =
+    ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhasePlain, ThreePhaseSeparate,
+                     ThreePhaseOrdered, CosineDouble, DuhemDouble, LiangRogersDouble>;
 using WithMemory = ::testing::Types<ThreePhaseDouble, ThreePhaseEveryReversal, ThreePhaseFloat,
-                                    ThreePhaseSeparate>;
+                                    ThreePhaseSeparate, ThreePhaseOrdered, ThreePhaseOrderedFloat>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, KineticsSuite, All, SubjectName);
 INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, ExactSteps, Exact, SubjectName);
 INSTANTIATE_TYPED_TEST_SUITE_P(Kinetics, StepOrder, Inexact, SubjectName);

@@ -70,7 +70,8 @@ KalmanObserver<float>::Params to_float(const Filter::Params& p) {
       k.separate_r2a,
       k.separate_r2m,
       k.memory,
-      f(k.smallest_reversal_K)};
+      f(k.smallest_reversal_K),
+      f(k.loop_odds)};
   to.model.material = {to_float(m.material.martensite), to_float(m.material.r_phase),
                        to_float(m.material.austenite), f(m.material.reference_K),
                        m.material.mixture};

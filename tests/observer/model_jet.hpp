@@ -52,6 +52,7 @@ inline JK::Params to_jet(const K::Params& p) {
   to.separate_r2m = p.separate_r2m;
   to.memory = p.memory;
   to.smallest_reversal_K = p.smallest_reversal_K;
+  to.loop_odds = p.loop_odds;
   return to;
 }
 

@@ -63,7 +63,10 @@ void add_parameters(List& list) {
               std::string(row.meaning),
               row.has_default(),
               true});
-    list.name(row.key.index, path.substr(0, path.rfind('.')));
+    // The table of the first row; later ones may be in a table within that.
+    if (row.key.sub == 1) {
+      list.name(row.key.index, path.substr(0, path.rfind('.')));
+    }
   }
 }
 

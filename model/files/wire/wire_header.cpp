@@ -49,8 +49,8 @@ std::string list(std::span<const double> values) {
 }
 
 std::string surface(const Surface<double>& s) {
-  return fmt::format("{{{}, {}, {}, {}}}", list(s.start_K), list(s.finish_K), list(s.curvature),
-                     list(s.turning));
+  return fmt::format("{{{}, {}, {}, {}, {}}}", list(s.start_K), list(s.finish_K), list(s.curvature),
+                     list(s.turning), number(s.taper));
 }
 
 std::string phase(const Phase<double>& p) {
@@ -68,11 +68,12 @@ std::string kinetics(const ThreePhaseParams<double>& k) {
                    .separate_r2a = {},
                    .separate_r2m = {},
                    .memory = Memory::{},
-                   .smallest_reversal_K = {}}})",
+                   .smallest_reversal_K = {},
+                   .loop_odds = {}}})",
       surface(k.m2a), surface(first_surface(k.a2m_a2r)), surface(second_surface(k.a2m_a2r)),
       k.separate_r2a ? surface(k.r2a) : "{}", k.separate_r2m ? surface(k.r2m) : "{}",
       k.separate_r2a, k.separate_r2m, k.memory == Memory::plain ? "plain" : "return_point",
-      number(k.smallest_reversal_K));
+      number(k.smallest_reversal_K), number(k.loop_odds));
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ struct SurfaceRange {
   double min_span_K = 1;  ///< least distance from start to finish, in the direction of the process
   double min_curvature = 1e-3, max_curvature = 30;
   double min_turning = 0.05, max_turning = 0.95;
+  double max_taper = 20;  ///< the same at every stress, from 0 on
   int stresses = 21;
 };
 inline constexpr SurfaceRange surface_range;
@@ -28,6 +29,7 @@ struct Surface {
   S finish_K[3];   ///< T_f; above T_s for heating processes, below it for cooling ones
   S curvature[2];  ///< Γ, linear
   S turning[2];    ///< z_T, linear
+  S taper = S(0);  ///< κ, the same at every stress; 0 in 000
 
   /// The shift of T_s when the stress changes.
   constexpr S start_shift_K(const S& from_Pa, const S& to_Pa) const {
@@ -48,6 +50,7 @@ Surface<Pair<S>> pair_surfaces(const Surface<S>& first, const Surface<S>& second
   pair(first.finish_K, second.finish_K, both.finish_K);
   pair(first.curvature, second.curvature, both.curvature);
   pair(first.turning, second.turning, both.turning);
+  both.taper = Pair<S>(first.taper, second.taper);
   return both;
 }
 
@@ -64,6 +67,7 @@ Surface<To> convert_surface(const Surface<From>& from, F f) {
   each(from.finish_K, to.finish_K);
   each(from.curvature, to.curvature);
   each(from.turning, to.turning);
+  to.taper = f(from.taper);
   return to;
 }
 template <class S>
@@ -97,7 +101,8 @@ constexpr Isobar<Pair<S>> pair_isobars(const Isobar<S>& first, const Isobar<S>& 
   return {Pair<S>(first.start_K, second.start_K),
           Pair<S>(first.per_K, second.per_K),
           {Pair<S>(first.shape.curvature, second.shape.curvature),
-           Pair<S>(first.shape.turning, second.shape.turning)}};
+           Pair<S>(first.shape.turning, second.shape.turning),
+           Pair<S>(first.shape.taper, second.shape.taper)}};
 }
 
 /// The first of two isobars that lie side by side.
@@ -105,7 +110,7 @@ template <class S>
 constexpr Isobar<S> first_isobar(const Isobar<Pair<S>>& both) {
   return {both.start_K.first(),
           both.per_K.first(),
-          {both.shape.curvature.first(), both.shape.turning.first()}};
+          {both.shape.curvature.first(), both.shape.turning.first(), both.shape.taper.first()}};
 }
 
 template <class S>
@@ -117,7 +122,7 @@ constexpr Isobar<S> isobar(const Surface<S>& surface, S stress_Pa) {
   const S start = quadratic(surface.start_K);
   return {start,
           S(1) / (quadratic(surface.finish_K) - start),
-          {line(surface.curvature), line(surface.turning)}};
+          {line(surface.curvature), line(surface.turning), surface.taper}};
 }
 
 }  // namespace smaservo

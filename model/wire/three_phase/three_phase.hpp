@@ -20,6 +20,7 @@
 #include <cmath>
 
 #include "model/scalar/order.hpp"
+#include "model/wire/three_phase/loop_order.hpp"
 #include "model/wire/three_phase/three_phase_curves.hpp"
 #include "model/wire/three_phase/turning_points.hpp"
 
@@ -195,8 +196,14 @@ struct ThreePhase {
   static PhaseRates<S> rates(const Params& p, const State& s, const Pair<S>& slopes_1_K) {
     const AtStress at{p, s.reached.stress_Pa};
     return s.heading == Heading::heating
-               ? rates(s, Reverse{slopes_1_K.first(), slopes_1_K.second()})
-               : rates(s, Curves::forward_slopes(p, at, s.forward, slopes_1_K));
+               ? rates(p, s, Reverse{slopes_1_K.first(), slopes_1_K.second()})
+               : rates(p, s, Curves::forward_slopes(p, at, s.forward, slopes_1_K));
+  }
+
+  /// The order in which a branch of M2A or A2M transforms, if the other one of them had this left
+  /// at the turning point behind the branch.
+  static LoopOrder<S> loop_order(const Params& p, const S& left) {
+    return {p.loop_odds - S(1), S(1) - left};
   }
 
   /// Where the last step went.
@@ -211,8 +218,8 @@ struct ThreePhase {
       return {S(0), S(0)};
     }
     const AtStress at{p, s.reached.stress_Pa};
-    return heading == Heading::heating ? rates(s, Curves::slopes(p, at, s.reverse))
-                                       : rates(s, Curves::slopes(p, at, s.forward));
+    return heading == Heading::heating ? rates(p, s, Curves::slopes(p, at, s.reverse))
+                                       : rates(p, s, Curves::slopes(p, at, s.forward));
   }
 
  private:
@@ -255,14 +262,14 @@ struct ThreePhase {
   static Tangent heating_tangent(const Params& p, const Isobars& at, const State& s,
                                  const Transfer& transfer, bool moved) {
     const Reverse slope = Curves::slopes(p, at, s.reverse);
-    return {transfer, moved ? rates(s, slope) : PhaseRates<S>{S(0), S(0)}, slope, Forward{}};
+    return {transfer, moved ? rates(p, s, slope) : PhaseRates<S>{S(0), S(0)}, slope, Forward{}};
   }
 
   template <class Isobars>
   static Tangent cooling_tangent(const Params& p, const Isobars& at, const State& s,
                                  const Transfer& transfer, bool moved) {
     const Forward slope = Curves::slopes(p, at, s.forward);
-    return {transfer, moved ? rates(s, slope) : PhaseRates<S>{S(0), S(0)}, Reverse{}, slope};
+    return {transfer, moved ? rates(p, s, slope) : PhaseRates<S>{S(0), S(0)}, Reverse{}, slope};
   }
 
   static S scale(const S& to, const S& from) { return S(1e-6) < from ? to / from : S(0); }
@@ -291,6 +298,19 @@ struct ThreePhase {
       s.reached = {s.drive.temperature_K + (s.heading == Heading::heating ? back_K : -back_K),
                    s.drive.stress_Pa};
     }
+  }
+
+  static bool has_order(const Params& p) { return p.loop_odds < S(1) || S(1) < p.loop_odds; }
+  /// ratio() of a process whose pool transforms in an order. Not inline: most wires have none.
+  [[gnu::noinline]] static S ordered_ratio(const LoopOrder<S>& order, const S& now, const S& before,
+                                           const S& target) {
+    return now < before ? ratio(order(now), order(before), order(target)) : S(1);
+  }
+  static LoopOrder<S> order_of_heating(const Params& p, const State& s) {
+    return loop_order(p, s.cold.newest().left.a2m_a2r.first());
+  }
+  static LoopOrder<S> order_of_cooling(const Params& p, const State& s) {
+    return loop_order(p, s.hot.newest().left.m2a);
   }
 
   /// The share of a pool that a step leaves: 1 if the process does not act, 0 on arrival at the
@@ -391,7 +411,9 @@ struct ThreePhase {
     }
     // z_M *= r_M2A;  z_R *= r_R2A, above the target
     const HotTurn& target = s.hot.newest();
-    const S r_m2a = ratio(now.m2a, s.reverse.m2a, target.left.m2a);
+    const S r_m2a = has_order(p) ? ordered_ratio(order_of_heating(p, s), now.m2a, s.reverse.m2a,
+                                                 target.left.m2a)
+                                 : ratio(now.m2a, s.reverse.m2a, target.left.m2a);
     const S r_r2a = p.separate_r2a && ahead(s.reverse.r2a, target.left.r2a)
                         ? ratio(now.r2a, s.reverse.r2a, target.left.r2a)
                         : r_m2a;
@@ -428,7 +450,9 @@ struct ThreePhase {
     const Pair<S> before = s.forward.a2m_a2r;
     const auto acts = now.a2m_a2r < before;
     const Pair<S> ratios = select(acts, (now.a2m_a2r - goal) / (before - goal), Pair<S>(S(1)));
-    const S r_a2m = ratios.first();
+    const S r_a2m = has_order(p) ? ordered_ratio(order_of_cooling(p, s), now.a2m_a2r.first(),
+                                                 before.first(), goal.first())
+                                 : ratios.first();
     const S r_a2r = ratios.second();
     S stays_r = r_a2m;     // share of r that is left
     S on_the_way = r_a2m;  // share of a that is left as austenite or R-phase; exact for any step
@@ -526,25 +550,27 @@ struct ThreePhase {
     }
   }
 
-  static PhaseRates<S> rates(const State& s, const Reverse& slope) {
+  static PhaseRates<S> rates(const Params& p, const State& s, const Reverse& slope) {
+    const LoopOrder<S> order = order_of_heating(p, s);
     const HotTurn& target = s.hot.newest();
-    const bool own = ahead(s.reverse.r2a, target.left.r2a);
+    const bool own = p.separate_r2a && ahead(s.reverse.r2a, target.left.r2a);
     const S m = positive(s.martensite - target.martensite);
     const S r = positive(s.r_phase - target.r_phase);
-    return {flow(slope.m2a, s.reverse.m2a, target.left.m2a, m),
+    return {flow(order, slope.m2a, s.reverse.m2a, target.left.m2a, m),
             own ? flow(slope.r2a, s.reverse.r2a, target.left.r2a, r)
-                : flow(slope.m2a, s.reverse.m2a, target.left.m2a, r)};
+                : flow(order, slope.m2a, s.reverse.m2a, target.left.m2a, r)};
   }
-  static PhaseRates<S> rates(const State& s, const Forward& slope) {
+  static PhaseRates<S> rates(const Params& p, const State& s, const Forward& slope) {
+    const LoopOrder<S> order = order_of_cooling(p, s);
     const ColdTurn& target = s.cold.newest();
     const Pair<S> left = s.forward.a2m_a2r;
     const Pair<S> goal = target.left.a2m_a2r;
     const S r = s.r_phase - target.r_phase + s.returning;
     const S a = positive(phases(s).austenite() - target.austenite - s.returning);
-    const bool own = !(r < S(0)) && ahead(s.forward.r2m, target.left.r2m);
-    const S a2m = flow(slope.a2m_a2r.first(), left.first(), goal.first(), a);
+    const bool own = p.separate_r2m && !(r < S(0)) && ahead(s.forward.r2m, target.left.r2m);
+    const S a2m = flow(order, slope.a2m_a2r.first(), left.first(), goal.first(), a);
     const S r2m = own ? flow(slope.r2m, s.forward.r2m, target.left.r2m, r)
-                      : flow(slope.a2m_a2r.first(), left.first(), goal.first(), r);
+                      : flow(order, slope.a2m_a2r.first(), left.first(), goal.first(), r);
     S a2r = flow(slope.a2m_a2r.second(), left.second(), S(0), a);
     if (S(0) < s.returning) {
       a2r += flow(slope.a2m_a2r.second(), left.second(), goal.second(), s.returning);
@@ -561,6 +587,11 @@ struct ThreePhase {
     const S shortest = S(0.05) * (slope < S(0) ? -slope : slope);
     const S longer = room < shortest ? shortest : room;
     return S(0) < longer ? slope * pool / longer : S(0);
+  }
+  static S flow(const LoopOrder<S>& order, const S& slope, const S& left, const S& target,
+                const S& pool) {
+    return order.matters() ? flow(order.slope(left) * slope, order(left), order(target), pool)
+                           : flow(slope, left, target, pool);
   }
 };
 

@@ -19,7 +19,7 @@ TEST(ExportFmu, SaysWhatItHasWritten) {
   EXPECT_EQ(f.status, 0) << f.err;
   EXPECT_THAT(f.out,
               StartsWith("a.fmu: FMI 3.0, co-simulation, smaservo_wire; 4 inputs, 8 outputs, "
-                         "64 parameters; "));
+                         "68 parameters; "));
   EXPECT_THAT(f.out, HasSubstr("\nlibraries for "));
   EXPECT_THAT(f.out, HasSubstr("-linux"));
   EXPECT_EQ(program.folder().names(), std::vector<std::string>{"a.fmu"});

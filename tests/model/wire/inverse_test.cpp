@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "tests/bench/convert.hpp"
@@ -22,6 +23,14 @@ using Inverted = Inverse<double>;
 /// Every reversal counts, so that the forward model answers to the smallest goal.
 Model::Params exact_wire() {
   Model::Params p = plant_params(paper_wire());
+  p.kinetics.smallest_reversal_K = 0;
+  return p;
+}
+
+/// The same with loops and ends that are not the paper's.
+Model::Params ordered_wire() {
+  Model::Params p = exact_wire();
+  p.kinetics = ordered_kinetics();
   p.kinetics.smallest_reversal_K = 0;
   return p;
 }
@@ -58,11 +67,17 @@ double uniform(std::mt19937_64& random) {
   return std::uniform_real_distribution<double>()(random);
 }
 
-/// A strain between the present one and that at a temperature far away, small ones as well.
+/// A strain between the present one and that at a temperature far away, or that at the end of the
+/// transformation where the inverse ends before; small ones as well.
 double random_goal(const Model::Params& p, const K::State& s, double stress_Pa, double far_K,
                    std::mt19937_64& random) {
   const double now = strain_of(p, K::phases(s), stress_Pa);
-  const double end = strain_of(p, brought_to(p, s, far_K, stress_Pa), stress_Pa);
+  const double far = strain_of(p, brought_to(p, s, far_K, stress_Pa), stress_Pa);
+  const bool heats = far < now;
+  const BranchPoint<double> last =
+      heats ? Inverted::heating(p, s, stress_Pa, -1) : Inverted::cooling(p, s, stress_Pa, 1);
+  const double there = strain_of(p, brought_to(p, s, last.temperature_K, stress_Pa), stress_Pa);
+  const double end = heats ? std::max(far, there) : std::min(far, there);
   const double share = uniform(random);
   return now + share * share * (end - now);
 }
@@ -73,9 +88,23 @@ INSTANTIATE_TEST_SUITE_P(MPa, InverseAt, ::testing::Values(10, 25, 50, 100, 150,
                            return std::to_string(static_cast<int>(MPa_.param));
                          });
 
-TEST_P(InverseAt, HeatingIsTheForwardModelsInverse) {
-  const Model::Params p = exact_wire();
-  const double stress_Pa = GetParam() * MPa;
+class InverseOf : public ::testing::TestWithParam<std::tuple<double, bool>> {
+ protected:
+  double stress_Pa() const { return std::get<0>(GetParam()) * MPa; }
+  bool ordered() const { return std::get<1>(GetParam()); }
+  Model::Params wire() const { return ordered() ? ordered_wire() : exact_wire(); }
+};
+INSTANTIATE_TEST_SUITE_P(MPa, InverseOf,
+                         ::testing::Combine(::testing::Values(10, 25, 50, 100, 150, 250, 400),
+                                            ::testing::Bool()),
+                         [](const auto& of) {
+                           return std::to_string(static_cast<int>(std::get<0>(of.param))) +
+                                  (std::get<1>(of.param) ? "Ordered" : "Paper");
+                         });
+
+TEST_P(InverseOf, HeatingIsTheForwardModelsInverse) {
+  const Model::Params p = wire();
+  const double stress_Pa = this->stress_Pa();
   double worst = 0, worst_phase = 0;
   along_histories(p, stress_Pa, 100, [&](const K::State& s, std::mt19937_64& random) {
     const double goal = random_goal(p, s, stress_Pa, 435, random);
@@ -85,8 +114,9 @@ TEST_P(InverseAt, HeatingIsTheForwardModelsInverse) {
     worst_phase = std::max({worst_phase, std::abs(z.martensite - to.phases.martensite),
                             std::abs(z.r_phase - to.phases.r_phase)});
   });
-  EXPECT_LT(worst, 1e-12);
-  EXPECT_LT(worst_phase, 1e-10);
+  // The ends of tapered curves are cut at 1e-5.
+  EXPECT_LT(worst, ordered() ? 1e-6 : 1e-12);
+  EXPECT_LT(worst_phase, ordered() ? 2e-5 : 1e-10);
 }
 
 /// Errors of the strain in % of the stroke: the worst one, and that of 95 % of the cases.
@@ -116,11 +146,16 @@ Errors heating_errors(const Model::Params& p, double stress_Pa) {
   return errors(p, stress_Pa, 435, Inverted::heating);
 }
 
-TEST_P(InverseAt, CoolingComesCloseToTheGoal) {
-  const double stress_MPa = GetParam();
-  const Errors errors = cooling_errors(exact_wire(), stress_MPa * MPa);
+TEST_P(InverseOf, CoolingComesCloseToTheGoal) {
+  const double stress_MPa = stress_Pa() / MPa;
+  const Errors errors = cooling_errors(wire(), stress_Pa());
   std::printf("%3.0f MPa: worst %.4f, 95 %% %.4f %% of the stroke\n", stress_MPa, errors.worst,
               errors.max);
+  if (ordered()) {
+    EXPECT_LT(errors.worst, stress_MPa < 50 ? 27 : stress_MPa < 100 ? 2 : 0.3);
+    EXPECT_LT(errors.max, 0.15);
+    return;
+  }
   EXPECT_LT(errors.worst, stress_MPa < 50 ? 4 : stress_MPa < 100 ? 1.2 : 0.04);
   EXPECT_LT(errors.max, stress_MPa < 100 ? 0.12 : 0.03);
 }

@@ -36,6 +36,15 @@ inline ThreePhase<double>::Params separate_kinetics() {
   return p;
 }
 
+/// What became martensite last goes back first, mostly, and the curves end sooner than in 000.
+inline ThreePhase<double>::Params ordered_kinetics() {
+  ThreePhase<double>::Params p = paper_wire().kinetics;
+  p.loop_odds = 8;
+  p.m2a.taper = 0.5;
+  p.a2m_a2r.taper = Pair<double>(1, 0.2);
+  return p;
+}
+
 /// The same parameters for another scalar.
 template <class S>
 typename ThreePhase<S>::Params kinetics_for(const ThreePhase<double>::Params& from) {
@@ -51,6 +60,7 @@ typename ThreePhase<S>::Params kinetics_for(const ThreePhase<double>::Params& fr
   to.separate_r2m = from.separate_r2m;
   to.memory = from.memory;
   to.smallest_reversal_K = S(from.smallest_reversal_K);
+  to.loop_odds = S(from.loop_odds);
   return to;
 }
 

@@ -15,14 +15,16 @@ namespace {
 
 /// All numbers of a wire, to compare bit by bit.
 std::vector<double> all_numbers(const Wire<double>& w) {
-  std::vector<double> n{w.geometry.length_m,    w.geometry.diameter_m,         w.limits.current_A,
-                        w.limits.stress_Pa,     w.limits.temperature_K,        w.nominal_stroke,
-                        w.material.reference_K, w.kinetics.smallest_reversal_K};
+  std::vector<double> n{
+      w.geometry.length_m,    w.geometry.diameter_m,          w.limits.current_A,
+      w.limits.stress_Pa,     w.limits.temperature_K,         w.nominal_stroke,
+      w.material.reference_K, w.kinetics.smallest_reversal_K, w.kinetics.loop_odds};
   const auto add = [&](const Surface<double>& s) {
     n.insert(n.end(), std::begin(s.start_K), std::end(s.start_K));
     n.insert(n.end(), std::begin(s.finish_K), std::end(s.finish_K));
     n.insert(n.end(), std::begin(s.curvature), std::end(s.curvature));
     n.insert(n.end(), std::begin(s.turning), std::end(s.turning));
+    n.push_back(s.taper);
   };
   add(w.kinetics.m2a);
   add(first_surface(w.kinetics.a2m_a2r));
@@ -158,6 +160,19 @@ TEST(WireFile, WritesSeparateProcessesAndChoices) {
   EXPECT_EQ(first.wire.kinetics.r2a.turning[0], 0.5);
   EXPECT_NEAR(first.wire.kinetics.r2m.turning[1], 1e-10, 1e-22);
   EXPECT_TRUE(same_bits(first.wire, parse_wire(to_toml(first), "again.toml").wire));
+}
+
+TEST(WireFile, WritesEndsAndLoopsThatAreNotPaper000s) {
+  const WireDescription first = parse_wire(
+      own_wire("[wire.loops]\nodds = 8\n[wire.m2a]\ntaper = 0.5\n[wire.a2r]\ntaper = 20\n"),
+      "my.toml");
+  const ThreePhaseParams<double>& k = first.wire.kinetics;
+  EXPECT_EQ(k.loop_odds, 8);
+  EXPECT_EQ(k.m2a.taper, 0.5);
+  EXPECT_EQ(k.a2m_a2r.taper.first(), 0);
+  EXPECT_EQ(k.a2m_a2r.taper.second(), 20);
+  EXPECT_TRUE(same_bits(first.wire, parse_wire(to_toml(first), "again.toml").wire));
+  EXPECT_EQ(load_wire("smartflex-76um").wire.kinetics.loop_odds, 1);
 }
 
 TEST(WireFile, WritesAnyNameAndSource) {

@@ -241,6 +241,87 @@ TEST(IhypFormula, AutomaticDerivativeOfTheInverseObeysTheImplicitFunctionTheorem
   }
 }
 
+/// A shape with this taper, and a place on its curve.
+struct Tapered {
+  IhypShape<double> shape;
+  double tau;
+};
+
+/// Up to 200 widths from the turning point.
+std::vector<Tapered> tapered_cases() {
+  std::vector<Tapered> all;
+  std::mt19937_64 random(44);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int i = 0; i < 20000; ++i) {
+    const double turning = 0.05 + 0.9 * unit(random);
+    const double sign = unit(random) < 0.5 ? -1 : 1;
+    all.push_back(
+        {{1e-3 * std::pow(3e4, unit(random)), turning, std::pow(10, -3 + 4 * unit(random))},
+         turning + sign * std::pow(10, -6 + 8.3 * unit(random))});
+  }
+  return all;
+}
+
+TYPED_TEST(Ihyp, TaperedTemperatureOfFractionOfTemperatureIsTheSame) {
+  using S = TypeParam;
+  double worst = 0;
+  for (const Tapered& c : tapered_cases()) {
+    const IhypShape<S> shape{static_cast<S>(c.shape.curvature), static_cast<S>(c.shape.turning),
+                             static_cast<S>(c.shape.taper)};
+    const S tau = static_cast<S>(c.tau);
+    const Split<S> x = ihyp_fraction(shape, tau);
+    const S smaller = std::min(x.converted, x.remaining);
+    const S scale = S(1) + ihyp_slope(shape, x) * smaller + std::abs(tau);
+    worst =
+        std::max(worst, static_cast<double>(std::abs(ihyp_temperature(shape, x) - tau) / scale));
+  }
+  EXPECT_LT(worst, is_float<S> ? 2e-6 : 1e-13);
+}
+
+TEST(IhypTaper, MovesEveryPlaceOfThePapersCurveTowardsTheTurningPoint) {
+  for (const Tapered& c : tapered_cases()) {
+    const IhypShape<double> paper{c.shape.curvature, c.shape.turning};
+    const Split<double> x = ihyp_fraction(c.shape, c.tau);
+    // e = d sqrt(1 + κ d²), t = e sqrt(1 + κ e²)
+    const auto half = [&](double d) {
+      return std::copysign(std::hypot(d, std::sqrt(c.shape.taper) * d * d), d);
+    };
+    const double t = c.shape.turning + half(half(c.tau - c.shape.turning));
+    const Split<long double> same = oracle(paper, t);
+    const long double smaller = std::min(same.converted, same.remaining);
+    const double got = std::min(x.converted, x.remaining);
+    ASSERT_NEAR(got / static_cast<double>(smaller), 1, std::abs(t) < 1e4 ? 1e-12 : 1e-8) << t;
+  }
+}
+
+TEST(IhypTaper, SlopeIsTheDerivativeOfTheTemperature) {
+  using J = ceres::Jet<double, 1>;
+  for (const Tapered& c : tapered_cases()) {
+    const Split<double> x = ihyp_fraction(c.shape, c.tau);
+    const J fraction(x.converted, 0);
+    const J rest(x.remaining, Eigen::Matrix<double, 1, 1>(-1));
+    const IhypShape<J> shape{J(c.shape.curvature), J(c.shape.turning), J(c.shape.taper)};
+    const double slope = ihyp_slope(c.shape, x);
+    ASSERT_NEAR(ihyp_temperature(shape, Split<J>{fraction, rest}).v[0], slope, 1e-9 * slope);
+  }
+}
+
+TEST(IhypTaper, EndsFallLikeTheFourthPower) {
+  const IhypShape<double> shape{2, 0.4, 1};
+  const auto left = [&](double tau) { return ihyp_fraction(shape, tau).remaining; };
+  EXPECT_NEAR(left(8) / left(4), std::pow(0.5, 4), 0.015);
+  EXPECT_NEAR(ihyp_fraction(IhypShape<double>{2, 0.4}, 8.0).remaining /
+                  ihyp_fraction(IhypShape<double>{2, 0.4}, 4.0).remaining,
+              0.5, 0.1);
+}
+
+TEST(IhypTaper, FractionsStayWithinTheirBoundsHoweverFar) {
+  for (const float tau : {-1e4F, -300.0F, 300.0F, 1e4F}) {
+    const Split<float> x = ihyp_fraction(IhypShape<float>{30, 0.05F, 20}, tau);
+    EXPECT_TRUE(x.converted > 0 && x.converted <= 1 && x.remaining > 0 && x.remaining <= 1) << tau;
+  }
+}
+
 TYPED_TEST(Ihyp, StaysBetweenNoneAndAllFarOutsideItsRange) {
   using S = TypeParam;
   std::mt19937_64 random(11);

@@ -19,6 +19,8 @@ std::array<K::Params, count> different_wires() {
     all[i] = i % 2 == 0 ? separate_kinetics() : paper_wire().kinetics;
     all[i].memory = i % 4 < 2 ? Memory::return_point : Memory::plain;
     all[i].smallest_reversal_K = i < 4 ? 0 : 0.05;
+    all[i].loop_odds = i % 3 == 0 ? 8 : 1;
+    all[i].m2a.taper = i % 3 == 1 ? 0.5 : 0;
     all[i].m2a.start_K[0] += static_cast<double>(i);
   }
   return all;

@@ -161,7 +161,8 @@ class ThreePhaseTest : public ::testing::Test {
 };
 
 TEST_F(ThreePhaseTest, StepWithTheCutAtHandIsTheSameStepToTheBit) {
-  for (const K::Params& p : {paper_wire().kinetics, plain_kinetics(), separate_kinetics()}) {
+  for (const K::Params& p :
+       {paper_wire().kinetics, plain_kinetics(), separate_kinetics(), ordered_kinetics()}) {
     for (int i = 0; i < 100; ++i) {
       const double stress_Pa = uniform(0, 400e6);
       const K::Cut cut = K::cut(p, stress_Pa);
@@ -284,7 +285,7 @@ void ThreePhaseTest::correct_at_random(const K::Params& p, K::State& s) {
 TEST_F(ThreePhaseTest, NothingJumpsUnderAVaryingStress) {
   constexpr double step_K = 0.02;
   constexpr double step_Pa = step_K * 7e6;
-  for (K::Params p : {paper_wire().kinetics, separate_kinetics()}) {
+  for (K::Params p : {paper_wire().kinetics, separate_kinetics(), ordered_kinetics()}) {
     p.smallest_reversal_K = 0;
     double max = 0;
     for (int walk = 0; walk < 60; ++walk) {
@@ -314,7 +315,8 @@ TEST_F(ThreePhaseTest, NothingJumpsUnderAVaryingStress) {
 }
 
 TEST_F(ThreePhaseTest, CorrectionsKeepTheFractionsOnTheSimplex) {
-  for (const K::Params& p : {paper_wire().kinetics, plain_kinetics(), separate_kinetics()}) {
+  for (const K::Params& p :
+       {paper_wire().kinetics, plain_kinetics(), separate_kinetics(), ordered_kinetics()}) {
     for (int walk = 0; walk < 200; ++walk) {
       K::State s = K::rest(p, {uniform(270, 450), uniform(0, 400e6)});
       for (int i = 0; i < 200; ++i) {
