@@ -121,8 +121,9 @@ void calibrate(const EvaluateOptions& options, std::vector<JudgedUnit>& units) {
   parallel(
       units.size(), options.threads,
       [&](std::size_t i) {
-        units[i].calibrated = options.calibrated ? options.calibrated(units[i].unit)
-                                                 : calibrated_wire(units[i].unit, options.wires);
+        units[i].calibrated =
+            options.calibrated ? options.calibrated(units[i].unit)
+                               : calibrated_wire(units[i].unit, options.wires, options.structure);
       },
       reporting(options, "calibration", units.size()));
 }

@@ -27,6 +27,7 @@ struct EvaluateArguments {
   EvaluateOptions options;
   std::vector<std::string> settings;
   std::string out, report, markdown;
+  std::string structure{identify::structure_names[0]};
   bool json = false;
   bool closed_loop = false;
   int random = 1000;
@@ -130,6 +131,7 @@ void run(EvaluateArguments& a) {
     return;
   }
   a.options.settings = text::parse_settings(a.settings);
+  a.options.structure = identify::structure_named(a.structure);
   Evaluation evaluation;
   {
     Stages stages;
@@ -206,6 +208,12 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--wires", options.wires,
                       "folder of the calibrated wires; a wire that is in it is not "
                       "calibrated again");
+  command
+      ->add_option("--structure", a->structure,
+                   "of the calibrations, as of identify; wants a folder --wires of its own")
+      ->check(CLI::IsMember(std::vector<std::string>(identify::structure_names.begin(),
+                                                     identify::structure_names.end())))
+      ->capture_default_str();
   command->add_option("--out", a->out, "numbers as JSON: file, folder, or - for standard output");
   command->add_option("--report", a->report, "table as one HTML file");
   command->add_option("--markdown", a->markdown, "Markdown file whose table is replaced");
@@ -213,7 +221,8 @@ void add_evaluate_command(CLI::App& app) {
   command
       ->add_flag("--closed-loop", a->closed_loop,
                  "judges the firmware's control in place of its observers")
-      ->excludes("--family", "--row", "--observer", "--observer-program", "--set", "--report");
+      ->excludes("--family", "--row", "--observer", "--observer-program", "--set", "--report",
+                 "--structure");
   command->add_option("--random", a->random, "number of random scenarios of --closed-loop")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();

@@ -29,6 +29,7 @@ struct IdentifyArguments {
   Units units = Units::bench;
   bool json = false;
   bool circuit = false;
+  std::string structure{structure_names[0]};
   bool lenient = false;
   int threads = 0;  ///< 0: as many as there are cores
   std::optional<double> stress_MPa, load_N;
@@ -98,6 +99,7 @@ FitResult fit(const IdentifyArguments& a, const Wire<double>& from, const std::v
   files::Progress progress("fit");
   FitOptions options;
   options.circuit = a.circuit;
+  options.structure = structure_named(a.structure);
   options.threads = a.threads > 0
                         ? a.threads
                         : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -165,6 +167,13 @@ void add_identify_command(CLI::App& app) {
   command->add_flag("--json", a->json, "print the numbers as JSON");
   command->add_flag("--circuit", a->circuit,
                     "also fit the resistance of the leads and the gain of the load cell");
+  command
+      ->add_option("--structure", a->structure,
+                   "paper-000: ends of the curves and inner loops stay as --from has them; "
+                   "ordered: both are fitted")
+      ->check(
+          CLI::IsMember(std::vector<std::string>(structure_names.begin(), structure_names.end())))
+      ->capture_default_str();
   command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
   command->add_option("--load-N", a->load_N, "load of runs without a load, N");
   command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")

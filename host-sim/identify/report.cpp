@@ -34,13 +34,15 @@ std::string heading(const Identification& all) {
 }
 
 std::string structure(const FitVariant& v) {
-  return fmt::format("{}, {}, {}, resistivities {}",
+  return fmt::format("{}, {}, {}{}{}, resistivities {}",
                      v.r2a_near_a2r   ? "R2A on a surface of its own, found near A2R"
                      : v.separate_r2a ? "R2A on a surface of its own"
                                       : "R2A as M2A",
                      v.separate_r2m ? "R2M on a surface of its own" : "R2M as A2M",
                      v.memory == Memory::return_point ? "inner loops close at their return points"
                                                       : "inner loops without memory",
+                     v.loop_order ? " and have an order" : "",
+                     v.taper ? ", ends of the curves fitted" : "",
                      v.mixture == Mixture::series ? "in series" : "in parallel");
 }
 
@@ -263,7 +265,9 @@ std::string fit_json(const Identification& all) {
   json["structure"] = {
       {"separate_r2a", fit.variant.separate_r2a},
       {"separate_r2m", fit.variant.separate_r2m},
+      {"taper", fit.variant.taper},
       {"memory", fit.variant.memory == Memory::return_point ? "return-point" : "plain"},
+      {"loop_order", fit.variant.loop_order},
       {"mixture", fit.variant.mixture == Mixture::series ? "series" : "parallel"}};
   if (fit.circuit_fitted) {
     json["circuit"] = {{"lead_resistance_ohm", fit.circuit.lead_ohm},

@@ -84,6 +84,8 @@ class Expectation {
         variant_{.separate_r2a = wire.kinetics.separate_r2a,
                  .separate_r2m = wire.kinetics.separate_r2m,
                  .memory = wire.kinetics.memory,
+                 .taper = identify::has_taper(wire),
+                 .loop_order = identify::has_loop_order(wire),
                  .mixture = wire.material.mixture},
         problem_{wire_,
                  variant_,

@@ -60,7 +60,7 @@ struct HowIdentified {
 /// All parameters that a fit may have, whichever structure it chooses.
 std::vector<identify::FitParameter> all_parameters(const HowIdentified& how, const Piece& piece) {
   identify::FitVariant variant;
-  variant.separate_r2a = variant.separate_r2m = true;
+  variant.separate_r2a = variant.separate_r2m = variant.taper = variant.loop_order = true;
   return identify::fit_parameters(how.start(piece).wire, variant);
 }
 
@@ -97,7 +97,8 @@ class Lot final : public Trials {
     columns_ = {{"piece", true, true, true},    {"outcome", false, true},
                 {"problem", false, true, true}, {"strain_rms_percent", false},
                 {"separate_r2a", false, true},  {"separate_r2m", false, true},
-                {"memory", false, true},        {"mixture", false, true}};
+                {"taper", false, true},         {"memory", false, true},
+                {"loop_order", false, true},    {"mixture", false, true}};
     for (const identify::FitParameter& parameter : all_parameters(how_, pieces_.front())) {
       keys_.push_back(parameter.key);
       columns_.push_back({column_name(parameter), false});
@@ -184,10 +185,10 @@ class Lot final : public Trials {
       const identify::FitVariant& v = fit->variant;
       row.insert(row.end(),
                  {rms ? 100 * *rms : no_value, yes_or_no(v.separate_r2a), yes_or_no(v.separate_r2m),
-                  v.memory == Memory::return_point ? "return-point" : "plain",
-                  v.mixture == Mixture::series ? "series" : "parallel"});
+                  yes_or_no(v.taper), v.memory == Memory::return_point ? "return-point" : "plain",
+                  yes_or_no(v.loop_order), v.mixture == Mixture::series ? "series" : "parallel"});
     } else {
-      row.insert(row.end(), {no_value, "", "", "", ""});
+      row.insert(row.end(), {no_value, "", "", "", "", "", ""});
     }
     std::map<std::string, identify::Figure> found;
     for (const identify::FittedParameter& one :

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "host-sim/evaluate/runs/runs.hpp"
-#include "host-sim/identify/fit/fit.hpp"
 #include "host-sim/simulate/simulate.hpp"
 #include "model/files/output_file.hpp"
 
@@ -27,8 +26,8 @@ identify::Run calibration_measurement(const bench::WireUnit& unit, std::size_t i
   return run;
 }
 
-files::WireDescription calibrate(const bench::WireUnit& unit,
-                                 const std::function<bool()>& proceed) {
+files::WireDescription calibrate(const bench::WireUnit& unit, const std::function<bool()>& proceed,
+                                 identify::Structure structure) {
   const Wire<double> from = unit.type_file();
   std::vector<identify::Run> runs;
   runs.reserve(calibration_stresses_MPa.size());
@@ -36,6 +35,7 @@ files::WireDescription calibrate(const bench::WireUnit& unit,
     runs.push_back(calibration_measurement(unit, i));
   }
   identify::FitOptions options;
+  options.structure = structure;
   options.proceed = [&](const identify::FitProgress& /*at*/) { return proceed(); };
   const identify::FitResult fit = identify::fit_wire(from, runs, options);
   return {fmt::format("{} {}", hal::family_name(unit.family), unit.seed),
@@ -43,12 +43,13 @@ files::WireDescription calibrate(const bench::WireUnit& unit,
           {{"all", fmt::format("fitted to {} simulated runs", runs.size())}}};
 }
 
-Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder) {
+Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder,
+                             identify::Structure structure) {
   const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
   if (!folder.empty() && std::filesystem::exists(file)) {
     return files::load_wire(file.string()).wire;
   }
-  const files::WireDescription found = calibrate(unit);
+  const files::WireDescription found = calibrate(unit, [] { return true; }, structure);
   if (!folder.empty()) {
     files::OutputFile output(file.string());
     output.write(files::to_toml(found));

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware/bench/scenario/units.hpp"
+#include "host-sim/identify/fit/fit.hpp"
 #include "host-sim/identify/runs/run.hpp"
 
 namespace smaservo::evaluate {
@@ -17,11 +18,13 @@ identify::Run calibration_measurement(const bench::WireUnit& unit, std::size_t i
 /// about a minute. Ends early, with a wire that is not fitted, when `proceed` returns false, which
 /// it asks many times.
 files::WireDescription calibrate(
-    const bench::WireUnit& unit, const std::function<bool()>& proceed = [] { return true; });
+    const bench::WireUnit& unit, const std::function<bool()>& proceed = [] { return true; },
+    identify::Structure structure = identify::Structure::paper_000);
 
 /// Like calibrate(), with a folder that keeps the wires: a wire in it is read, another one is
 /// calibrated and written. An empty name keeps nothing. Throws UserError.
-Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder);
+Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder,
+                             identify::Structure structure = identify::Structure::paper_000);
 
 /// The file name of a unit's calibrated wire, such as "ihyp-1000.toml".
 std::string calibrated_name(hal::Family family, std::uint64_t seed);

@@ -64,13 +64,19 @@ struct UsualStage {
 };
 /// Of a fit to 50MPa.csv, 150MPa.csv and 400MPa.csv of host-sim/traces, which took 34 s. The values
 /// of the last stage are fitted several times; the deviations follow.
-constexpr UsualStage usual_stages[] = {
-    {"calorimetry", 0.01, 7},   {"level", 0.025, 7},
-    {"all runs", 0.09, 7},      {"all runs, weighed", 0.16, 5},
-    {"R2A near A2R", 0.33, 9},  {"R2A near A2R, weighed", 0.44, 5},
-    {"R2A by itself", 0.51, 6}, {"R2M by itself", 0.59, 6},
-    {"inner loops", 0.64, 4},   {"mixture", 0.68, 4},
-    {"refinement", 0.82, 6},    {"what the runs determine", 0.95, 3}};
+constexpr UsualStage usual_stages[] = {{"calorimetry", 0.01, 7},
+                                       {"level", 0.025, 7},
+                                       {"all runs", 0.09, 7},
+                                       {"all runs, weighed", 0.16, 5},
+                                       {"R2A near A2R", 0.33, 9},
+                                       {"R2A near A2R, weighed", 0.44, 5},
+                                       {"R2A by itself", 0.49, 6},
+                                       {"R2M by itself", 0.54, 6},
+                                       {"ends and order", 0.61, 7},
+                                       {"inner loops", 0.66, 4},
+                                       {"mixture", 0.69, 4},
+                                       {"refinement", 0.82, 6},
+                                       {"what the runs determine", 0.95, 3}};
 
 }  // namespace
 
@@ -109,6 +115,8 @@ Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOption
   with({.separate_r2a = from.kinetics.separate_r2a,
         .separate_r2m = from.kinetics.separate_r2m,
         .memory = from.kinetics.memory,
+        .taper = has_taper(from),
+        .loop_order = has_loop_order(from),
         .mixture = from.material.mixture,
         .circuit = options_.circuit});
   u_.runs.resize(runs_.size());
@@ -364,6 +372,20 @@ void Fit::try_variants() {
   }
 }
 
+/// Fits the ends of the curves and the order of the loops, if the options ask for it.
+void Fit::fit_order() {
+  if (interrupted_ || options_.structure != Structure::ordered) {
+    return;
+  }
+  from_.kinetics = ordered_before(from_.kinetics);
+  FitVariant ordered = problem_->variant;
+  ordered.taper = true;
+  ordered.loop_order = ordered.memory == Memory::return_point;
+  with(ordered);
+  joint("ends and order", options_.max_iterations / 2);
+  weigh();
+}
+
 FitResult Fit::run() {
   calorimetry();
   stress_levels();
@@ -373,6 +395,7 @@ FitResult Fit::run() {
     try_r2a_near_a2r(start);
     try_variants();
   }
+  fit_order();
   refine();
   joint("refinement", options_.max_iterations);
   settle();

@@ -2,6 +2,7 @@
 // Determines a wire's parameters from measured runs: nonlinear least squares through the model
 // itself. host-sim/identify/README.md has the method.
 
+#include <array>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -26,7 +27,20 @@ struct FitProgress {
 /// That share, at an iteration of a stage. A later stage never has less.
 double usual_share(std::string_view stage, int iteration);
 
+/// What a fit takes for given about the ends of the curves and the order of the inner loops.
+enum class Structure : unsigned char {
+  paper_000,  ///< both are those of `from`: paper 000's unless it says otherwise
+  ordered     ///< both are fitted (model/README.md)
+};
+/// Their names, by value.
+inline constexpr std::array<std::string_view, 2> structure_names{"paper-000", "ordered"};
+/// The structure with this name, which must be one of them.
+inline Structure structure_named(std::string_view name) {
+  return name == structure_names[0] ? Structure::paper_000 : Structure::ordered;
+}
+
 struct FitOptions {
+  Structure structure = Structure::paper_000;
   int threads = 1;
   bool variants = true;  ///< also try other structures of the model: separate surfaces, mixture
   bool circuit = false;  ///< also fit the resistance of the leads and the gain of the load cell

@@ -91,6 +91,7 @@ class Fit {
   void fit_all(const std::string& name);
   void try_r2a_near_a2r(const Deviations& start);
   void try_variants();
+  void fit_order();
   /// Replaces the coarsely thinned runs by finely thinned ones.
   void refine();
 
@@ -119,7 +120,7 @@ class Fit {
   void describe(FitResult& result);
   void uncertainty(FitResult& result);
 
-  const Wire<double>& from_;
+  Wire<double> from_;  ///< the problem refers to it
   const std::vector<Run>& runs_in_full_;
   FitOptions options_;
   std::vector<FitRun> runs_;

@@ -66,6 +66,8 @@ struct FitVariant {
   bool r2a_near_a2r = false;
   bool separate_r2m = false;
   Memory memory = Memory::return_point;
+  bool taper = false;       ///< the ends of the curves are fitted
+  bool loop_order = false;  ///< the odds of the inner loops are fitted
   Mixture mixture = Mixture::series;
   bool circuit = false;  ///< resistance of the leads and gain of the load cell are fitted
 
@@ -91,6 +93,21 @@ inline Surface<double> r2a_above(const Surface<double>& a2r, double hysteresis_K
   return r2a;
 }
 
+/// Where a fit of the ends and of the order of the loops starts, if the wire has those of paper
+/// 000: from there the cost has no derivative by them.
+inline ThreePhaseParams<double> ordered_before(ThreePhaseParams<double> from) {
+  constexpr double taper = 0.1, odds = 2;
+  const auto start = [](double& of) { of = of > 0 ? of : taper; };
+  Surface<double> a2m = first_surface(from.a2m_a2r);
+  Surface<double> a2r = second_surface(from.a2m_a2r);
+  for (Surface<double>* surface : {&from.m2a, &a2m, &a2r, &from.r2a, &from.r2m}) {
+    start(surface->taper);
+  }
+  from.a2m_a2r = pair_surfaces(a2m, a2r);
+  from.loop_odds = std::abs(from.loop_odds - 1) > 0 ? from.loop_odds : odds;
+  return from;
+}
+
 namespace detail {
 
 /// The values of a surface that the data determine independently: the temperature T_t of the
@@ -99,7 +116,8 @@ namespace detail {
 /// surface that is valid at both is valid between them.
 template <class T>
 struct SurfaceEnds {
-  T turning_K, slope_K_Pa, bend_K;         ///< T_t at no stress, and how it depends on stress
+  T turning_K, slope_K_Pa, bend_K;  ///< T_t at no stress, and how it depends on stress
+  T taper;
   T width_K[2], curvature[2], turning[2];  ///< at no stress, and at the greatest
 
   /// T_t = T_0 + slope σ + 4 bend (σ/σ_1)(1 - σ/σ_1)
@@ -119,6 +137,7 @@ struct SurfaceEnds {
     s.curvature[1] = (curvature[1] - curvature[0]) / max_Pa;
     s.turning[0] = turning[0];
     s.turning[1] = dz;
+    s.taper = taper;
     return s;
   }
 };
@@ -148,7 +167,7 @@ void vary_shape(const std::string& key, const FitParameter& share, const double 
 
 template <class T, class Take>
 Surface<T> vary_surface(const Surface<double>& from, const std::string& name, double max_Pa,
-                        double temperature_sd_K, double stress_share, Take& take) {
+                        double temperature_sd_K, double stress_share, bool taper, Take& take) {
   const auto cubic = [&](const double(&c)[3], double stress) {
     return c[0] + stress * (c[1] + stress * c[2]);
   };
@@ -182,6 +201,10 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
   const FitParameter turning{"", "", 1, Form::share, 0, 0.5, 0.05, 0.95};
   vary_shape<T>(key + ".curvature", curvature, from.curvature, max_Pa, 0.3, take, to.curvature);
   vary_shape<T>(key + ".turning", turning, from.turning, max_Pa, 0.5, take, to.turning);
+  to.taper =
+      taper
+          ? take({key + ".taper", "", 1, Form::share, from.taper, 1.5, 0, surface_range.max_taper})
+          : T(from.taper);
   return to.surface(T(max_Pa));
 }
 
@@ -197,7 +220,7 @@ template <class T, class Take>
 ThreePhaseParams<T> vary_kinetics(const ThreePhaseParams<double>& from, double max_Pa,
                                   const FitVariant& variant, Take& take) {
   const auto surface = [&](const Surface<double>& s, const char* name, double sd_K, double share) {
-    return vary_surface<T>(s, name, max_Pa, sd_K, share, take);
+    return vary_surface<T>(s, name, max_Pa, sd_K, share, variant.taper, take);
   };
   ThreePhaseParams<T> to{};
   const Surface<double> a2m = first_surface(from.a2m_a2r);
@@ -215,6 +238,9 @@ ThreePhaseParams<T> vary_kinetics(const ThreePhaseParams<double>& from, double m
   }
   to.memory = variant.memory;
   to.smallest_reversal_K = T(from.smallest_reversal_K);
+  to.loop_odds = variant.loop_order ? take({"wire.loops.odds", "", 1, Form::share, from.loop_odds,
+                                            1.5, loop_odds_range.min, loop_odds_range.max})
+                                    : T(from.loop_odds);
   return to;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,15 @@ std::vector<std::pair<std::string, Surface<T>>> surfaces(const Wire<T>& wire) {
     all.emplace_back("wire.r2m", k.r2m);
   }
   return all;
+}
+
+/// Whether the curves of a wire end sooner than paper 000's.
+inline bool has_taper(const Wire<double>& wire) {
+  return std::ranges::any_of(surfaces(wire), [](const auto& one) { return one.second.taper > 0; });
+}
+/// Whether the orders of its loops depend on each other.
+inline bool has_loop_order(const Wire<double>& wire) {
+  return std::abs(wire.kinetics.loop_odds - 1) > 0;
 }
 
 /// The slopes over stress of the start temperature at no stress and at `max_Pa`, and those of the

@@ -194,7 +194,7 @@ Split<S> tapered_fraction(const IhypShape<S>& shape, const S& tau) {
   const IhypShape<S> paper{shape.curvature, shape.turning};
   const S t = on_papers_curve(shape, tau);
   const S far = S(10000);
-  const Split<S> x = ihyp_fraction(paper, select(t < -far, -far, select(far < t, far, t)));
+  Split<S> x = ihyp_fraction(paper, select(t < -far, -far, select(far < t, far, t)));
   if (!any(t < -far) && !any(far < t)) {
     return x;
   }

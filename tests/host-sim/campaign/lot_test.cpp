@@ -73,8 +73,9 @@ TEST_F(CampaignLot, APieceIsWhatIdentifyFinds) {
   const std::string rows = file_text(out + "/trials.csv");
   EXPECT_THAT(
       rows,
-      AllOf(HasSubstr("trial,piece,outcome,problem,strain_rms_percent,separate_r2a,separate_r2m,"
-                      "memory,mixture,m2a.temperature_degC,m2a.temperature_degC_sd,"),
+      AllOf(HasSubstr(
+                "trial,piece,outcome,problem,strain_rms_percent,separate_r2a,separate_r2m,"
+                "taper,memory,loop_order,mixture,m2a.temperature_degC,m2a.temperature_degC_sd,"),
             HasSubstr(",martensite.strain_percent,"), HasSubstr("\n0,a1,converged,,"),
             HasSubstr("\n1,b 2,converged,,"), HasSubstr("\n2,c3,refused,"),
             HasSubstr("still.csv")));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -114,6 +115,53 @@ TEST(IdentifyKept, ThinRunsKeepWhatTheySayAndNoTransitionFalls) {
   }
   EXPECT_GT(determined, 100U);
   EXPECT_GT(kept, 200U);
+}
+
+/// Two cycles' outer curves, and loops within them.
+std::vector<double> loops_K() {
+  std::vector<double> all = cycle_K();
+  double T = all.back();
+  for (const double goal : {338.0, 310.0, 352.0, 318.0, 345.0, 322.0, 349.0, 314.0, 400.0, 293.0}) {
+    for (; std::abs(T - goal) > 0.6; T += T < goal ? 0.5 : -0.5) {
+      all.push_back(T);
+    }
+  }
+  return all;
+}
+
+TEST(IdentifyOrdered, FindsTheEndsAndTheOrderOfTheLoops) {
+  std::mt19937_64 random(44);
+  const files::WireDescription from = files::load_wire("smartflex-76um");
+  Wire<double> truth = another(from.wire, random);
+  truth.kinetics.smallest_reversal_K = 0;
+  truth.kinetics.loop_odds = 12;
+  truth.kinetics.m2a.taper = 0.6;
+  truth.kinetics.a2m_a2r.taper = Pair<double>(1.5, 0.1);
+  const std::vector<identify::Run> runs = {bath_run(truth, 50e6, random, loops_K()),
+                                           bath_run(truth, 150e6, random, loops_K()),
+                                           bath_run(truth, 300e6, random, loops_K())};
+  identify::FitOptions options;
+  options.variants = false;
+  const identify::FitResult paper = identify::fit_wire(from.wire, runs, options);
+  options.structure = identify::Structure::ordered;
+  const identify::FitResult ordered = identify::fit_wire(from.wire, runs, options);
+  const auto rms = [](const identify::FitResult& fit) {
+    double sum = 0;
+    for (const identify::FittedRun& run : fit.runs) {
+      sum += run.strain.rms * run.strain.rms;
+    }
+    return std::sqrt(sum / static_cast<double>(fit.runs.size()));
+  };
+  std::printf(
+      "error of the fit: %.4f %% with paper 000's, %.4f %% ordered; odds %.2f, tapers %.2f %.2f\n",
+      100 * rms(paper), 100 * rms(ordered), ordered.wire.kinetics.loop_odds,
+      ordered.wire.kinetics.m2a.taper, ordered.wire.kinetics.a2m_a2r.taper.first());
+  EXPECT_EQ(paper.wire.kinetics.loop_odds, 1);
+  EXPECT_EQ(paper.wire.kinetics.m2a.taper, 0);
+  EXPECT_LT(rms(ordered), 0.2 * rms(paper));
+  EXPECT_NEAR(ordered.wire.kinetics.loop_odds, 12, 1.2);
+  EXPECT_NEAR(ordered.wire.kinetics.m2a.taper, 0.6, 0.15);
+  EXPECT_NEAR(ordered.wire.kinetics.a2m_a2r.taper.first(), 1.5, 0.4);
 }
 
 TEST(IdentifyKept, OneLoadLeavesTheSlopesAlone) {

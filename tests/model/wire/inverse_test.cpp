@@ -90,9 +90,9 @@ INSTANTIATE_TEST_SUITE_P(MPa, InverseAt, ::testing::Values(10, 25, 50, 100, 150,
 
 class InverseOf : public ::testing::TestWithParam<std::tuple<double, bool>> {
  protected:
-  double stress_Pa() const { return std::get<0>(GetParam()) * MPa; }
-  bool ordered() const { return std::get<1>(GetParam()); }
-  Model::Params wire() const { return ordered() ? ordered_wire() : exact_wire(); }
+  static double stress_Pa() { return std::get<0>(GetParam()) * MPa; }
+  static bool ordered() { return std::get<1>(GetParam()); }
+  static Model::Params wire() { return ordered() ? ordered_wire() : exact_wire(); }
 };
 INSTANTIATE_TEST_SUITE_P(MPa, InverseOf,
                          ::testing::Combine(::testing::Values(10, 25, 50, 100, 150, 250, 400),
@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(MPa, InverseOf,
 
 TEST_P(InverseOf, HeatingIsTheForwardModelsInverse) {
   const Model::Params p = wire();
-  const double stress_Pa = this->stress_Pa();
+  const double stress_Pa = InverseOf::stress_Pa();
   double worst = 0, worst_phase = 0;
   along_histories(p, stress_Pa, 100, [&](const K::State& s, std::mt19937_64& random) {
     const double goal = random_goal(p, s, stress_Pa, 435, random);
