@@ -105,7 +105,7 @@ constexpr S ihyp_slope(const IhypShape<S>& shape, const Split<S>& fraction) {
   if (is_tapered(shape)) [[unlikely]] {
     return papers * taper_slope(IhypShape<S>{shape}, Split<S>{fraction});
   }
-  return papers;
+  return papers;  // NOLINT(performance-no-automatic-move): it is a number
 }
 
 template <class S>
