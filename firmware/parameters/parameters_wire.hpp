@@ -52,7 +52,7 @@ constexpr Parameter<S> wire_row() {
   const std::size_t max = w.type == ValueType::choice ? w.choices.size() - 1 : 1;
   return {{wire_key(i), w.type, Change::without_current, Level::set_up, w.needs, w.lane,
            real ? Value::real(static_cast<float>(w.min)) : number(0),
-           real ? Value::real(w.known_to_devices ? static_cast<float>(w.standard) : no_default)
+           real ? Value::real(w.default_in_devices ? static_cast<float>(w.standard) : no_default)
            : w.type == ValueType::choice ? number(w.standard)
                                          : number(0),
            real ? Value::real(static_cast<float>(w.max)) : number(static_cast<double>(max)),

@@ -208,9 +208,7 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--wires", options.wires,
                       "folder of the calibrated wires; a wire that is in it is not "
                       "calibrated again");
-  command
-      ->add_option("--structure", a->structure,
-                   "of the calibrations, as of identify; wants a folder --wires of its own")
+  command->add_option("--structure", a->structure, "of the calibrations, as of identify")
       ->check(CLI::IsMember(std::vector<std::string>(identify::structure_names.begin(),
                                                      identify::structure_names.end())))
       ->capture_default_str();

@@ -169,8 +169,8 @@ void add_identify_command(CLI::App& app) {
                     "also fit the resistance of the leads and the gain of the load cell");
   command
       ->add_option("--structure", a->structure,
-                   "paper-000: ends of the curves and inner loops stay as --from has them; "
-                   "ordered: both are fitted")
+                   "ends of the curves and order of the inner loops: paper-000, fitted only where "
+                   "--from has others than the paper; ordered, fitted")
       ->check(
           CLI::IsMember(std::vector<std::string>(structure_names.begin(), structure_names.end())))
       ->capture_default_str();

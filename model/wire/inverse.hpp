@@ -32,9 +32,9 @@ struct Inverse {
 
   /// The point at which cooling brings the wire to the strain `goal`, which must not be below the
   /// present one. A2R acts beside A2M there, so this takes two Newton steps from a first guess,
-  /// three where the order of the loops matters. Worst error: 4 % of the stroke below 10 MPa, where
-  /// there is most R-phase, 1.2 % below 50 MPa, 0.04 % from 100 MPa on; 0.12 % in 95 of 100 cases.
-  /// Where the order matters: 25, 2 and 0.3 %, 3 % below 10 MPa in 999 of 1000; 0.15 % in 95 of
+  /// three where the order of the loops matters. Worst error: 4 % of the stroke below 50 MPa, where
+  /// there is most R-phase, 1.2 % below 100 MPa, 0.04 % from there on; 0.12 % in 95 of 100 cases.
+  /// Where the order matters: 27, 2 and 0.3 %, and 3 % below 50 MPa in 999 of 1000; 0.15 % in 95 of
   /// 100. A greater strain never needs a higher temperature from 50 MPa on, and below that by 0.1 K
   /// at most. An R2M of its own is treated as A2M.
   static BranchPoint<S> cooling(const typename Model::Params& p, const typename K::State& s,
@@ -68,8 +68,8 @@ struct Inverse {
     const S part = (goal - from) / way;
     return part < S(0) ? S(0) : max < part ? max : part;
   }
-  /// Shares of an outer curve are bounded by this, to either end. Only curves with a taper come so
-  /// near to their ends.
+  /// Shares of an outer curve are bounded by this, to either end: beyond, a curve without taper is
+  /// hundreds of kelvins long.
   static S least(const Isobar<S>& at) { return S(0) < at.shape.taper ? S(1e-5) : S(1e-3); }
   static S temperature_K(const Isobar<S>& at, const S& left) {
     const S min = least(at);

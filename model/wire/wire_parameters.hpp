@@ -121,9 +121,9 @@ struct WireParameter {
   double standard = std::numeric_limits<double>::quiet_NaN();
   // NOLINTNEXTLINE(readability-redundant-member-init): for designated initializers
   std::string_view follows = {};  ///< how the default follows from others, in words
-  /// A device that was never told this number has the default. Without the other numbers of its
-  /// wire it is not configured.
-  bool known_to_devices = false;
+  /// A device that has never been given this number uses the default. The default alone does not
+  /// make its wire configured.
+  bool default_in_devices = false;
 
   constexpr WireParameter with_default(double value) const {
     WireParameter row = *this;
@@ -132,7 +132,7 @@ struct WireParameter {
   }
   constexpr WireParameter with_default_in_devices(double value) const {
     WireParameter row = with_default(value);
-    row.known_to_devices = true;
+    row.default_in_devices = true;
     return row;
   }
   constexpr WireParameter following(std::string_view words) const {

@@ -13,8 +13,8 @@
 //
 //             less than 30 % is left                a probe is wanted (wants_probe),
 //             of martensite and R-phase,            or the cooling has changed (doubt, settle),
-//             or of what the resistance             or the resistance says that the wire
-//             can tell from hot (seems_hot)         is too hot (hotter_than_told)
+//             or of martensite and a quarter        or the resistance says that the wire
+//             of the R-phase (seems_hot)            is too hot (hotter_than_told)
 //     cold -----------------------------> hot -----------------------------------> probing
 //      |                                   |                                          |
 //      | <---------------------------------+------------------------------------------+
@@ -26,20 +26,20 @@
 //      + off until the wire has the air's temperature: all is forgotten, since a fan may have
 //      stopped
 //
-// R-phase is a belief that costs heat. A hot wire that is cooled less than its file says has a
-// resistance that is 1 to 2 % higher; a reading that is off may add as much. An observer explains
-// this by 30 to 40 % of R-phase, cold at the same power, and would keep such a wire too hot for any
-// time. Martensite raises the resistance by more than any heat. So R-phase counts by a quarter
-// only, and a wire that may be hot is followed as a hot one: the heat balances go on, and when the
-// power has been too much for the least cooling that is possible, the wire is probed. A wire that
-// really is R-phase then answers at once, its cooling is confirmed, and the power goes on. Within
-// a second after a test R-phase is believed, since the test has shown it. When the observer, too,
-// has the wire hot, the observation begins anew: the heat balances have no latent heat, and are
-// too hot by up to 40 K after a transformation.
+// The resistance alone does not tell the observer's R-phase from heat. A hot wire that is cooled
+// less than its file says has a resistance that is 1 to 2 % higher; a reading that is off may add
+// as much. An observer explains this by 30 to 40 % of R-phase, cold at the same power, and the
+// guard would leave such a wire too hot without end. Martensite raises the resistance by more than
+// any heat. So R-phase counts by a quarter only, and a wire that may be hot is followed as a hot
+// one: the heat balances go on, and when the power has been too much for the least cooling that is
+// possible, the wire is probed. A wire that really is R-phase then answers at once, its cooling is
+// confirmed, and the power goes on. Within a second after a test R-phase is believed, since the
+// test has shown it. When the observer, too, has the wire hot, the observation begins anew: the
+// heat balances have no latent heat, and are too hot by up to 40 K after a transformation.
 //
 // The same heat also raises the resistance of a wire whose verdict stands. If it rises although by
 // the file's cooling the wire is too hot to transform, and so far that the wire would be above its
-// limit, it is probed again; where this told nothing, after twice the time as before.
+// limit, it is probed again. Each such probe doubles the time until the next one.
 //
 // The verdict says what the last test told, and when a wire that is hot is probed again:
 //
@@ -241,7 +241,8 @@ void CoolingGuard<S>::advance(const MonitorInputs<S>& seen) {
     return;
   }
   const Starts start = starts(seen);
-  if (!begins || begin(seen, start)) {
+  const bool begun = begins && begin(seen, start);
+  if (begun || phase != Phase::cold) {
     follow(seen, start);
   }
 }
@@ -390,6 +391,7 @@ void CoolingGuard<S>::judge(const MonitorInputs<S>& seen, const S& transforms_K)
   }
   end(less      ? too_hot(seen, match.peak_K) ? Verdict::overheated : Verdict::weak
       : decided ? Verdict::confirmed
+      : weak()  ? Verdict::weak
                 : Verdict::none);
 }
 

@@ -43,7 +43,7 @@ struct ResistanceWatch {
   /// Whether the resistance is so far above its lowest value that martensite or R-phase has formed.
   bool risen() const { return min + rise * min + noises * noise < share; }
   /// By how much the wire is hotter than computed, if it is austenite as it was when its resistance
-  /// was lowest; 0 if that is within what noise, load and the last martensite may do. `wire_K`:
+  /// was lowest; 0 if that is within the noise and `hotter`. `wire_K`:
   /// temperature as computed with the file's cooling. Cost: two divisions.
   S hotter_K(const MonitorInputs<S>& seen, const S& wire_K);
   /// `wire_K`: temperature as computed with the file's cooling; `since_s`: time since the last
@@ -72,7 +72,7 @@ struct ResistanceWatch {
   static constexpr S goes_s = S(3), goes_from_s = S(0.1);
   /// For this time after a test the lowest share is recorded, but not yet compared.
   static constexpr S lowest_after_s = S(2);
-  /// Least rise that counts as heat: that of 9 K of austenite.
+  /// Least rise that counts as heat: that of 10 K of austenite.
   static constexpr S hotter = S(2e-3);
   /// Temperature for which `coolest` is kept; any one does.
   static constexpr S reference_K = S(350);
@@ -102,6 +102,9 @@ S ResistanceWatch<S>::hotter_K(const MonitorInputs<S>& seen, const S& wire_K) {
   }
   const Phase<S>& a = seen.prepared.settings.wire.material.austenite;
   const S by_K = a.resistivity_ohm_m_K / a.resistivity_ohm_m;
+  if (!(S(0) < by_K)) {
+    return S(0);
+  }
   const S now = share - share * by_K * (wire_K - reference_K);
   coolest = S(0) < coolest && coolest < now ? coolest : now;
   const S above = now - coolest;

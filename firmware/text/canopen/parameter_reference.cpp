@@ -80,8 +80,8 @@ std::string parameter_reference() {
       "another unit of\n"
       "the same kind. Change: *live*, at any time; *not enabled*, refused while current may flow; "
       "*after reset*,\n"
-      "stored and in force from the next start. The wire has no defaults: without one the device "
-      "is not\n"
+      "stored and in force from the next start. Most numbers of the wire have no default: without "
+      "them the device is not\n"
       "configured. On CANopen all parameters are rw and none is in a PDO; a choice is sent as its "
       "position in\n"
       "the range, counted from 0.\n",

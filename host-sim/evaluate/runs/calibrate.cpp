@@ -45,7 +45,8 @@ files::WireDescription calibrate(const bench::WireUnit& unit, const std::functio
 
 Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder,
                              identify::Structure structure) {
-  const auto file = std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed);
+  const auto file =
+      std::filesystem::path(folder) / calibrated_name(unit.family, unit.seed, structure);
   if (!folder.empty() && std::filesystem::exists(file)) {
     return files::load_wire(file.string()).wire;
   }
@@ -58,8 +59,9 @@ Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& fol
   return found.wire;
 }
 
-std::string calibrated_name(hal::Family family, std::uint64_t seed) {
-  return fmt::format("{}-{}.toml", hal::family_name(family), seed);
+std::string calibrated_name(hal::Family family, std::uint64_t seed, identify::Structure structure) {
+  return fmt::format("{}-{}{}.toml", hal::family_name(family), seed,
+                     structure == identify::Structure::ordered ? "-ordered" : "");
 }
 
 }  // namespace smaservo::evaluate

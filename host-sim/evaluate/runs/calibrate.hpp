@@ -26,7 +26,8 @@ files::WireDescription calibrate(
 Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder,
                              identify::Structure structure = identify::Structure::paper_000);
 
-/// The file name of a unit's calibrated wire, such as "ihyp-1000.toml".
-std::string calibrated_name(hal::Family family, std::uint64_t seed);
+/// The file name of a unit's calibrated wire, such as "ihyp-1000.toml" or "ihyp-1000-ordered.toml".
+std::string calibrated_name(hal::Family family, std::uint64_t seed,
+                            identify::Structure structure = identify::Structure::paper_000);
 
 }  // namespace smaservo::evaluate

@@ -72,9 +72,9 @@ constexpr UsualStage usual_stages[] = {{"calorimetry", 0.01, 7},
                                        {"R2A near A2R, weighed", 0.44, 5},
                                        {"R2A by itself", 0.49, 6},
                                        {"R2M by itself", 0.54, 6},
-                                       {"ends and order", 0.61, 7},
-                                       {"inner loops", 0.66, 4},
-                                       {"mixture", 0.69, 4},
+                                       {"inner loops", 0.58, 4},
+                                       {"mixture", 0.61, 4},
+                                       {"ends and order", 0.68, 7},
                                        {"refinement", 0.82, 6},
                                        {"what the runs determine", 0.95, 3}};
 
@@ -364,6 +364,7 @@ void Fit::try_variants() {
   attempt("R2M by itself", 9, [](FitVariant& v) { v.separate_r2m = true; });
   attempt("inner loops", 4, [](FitVariant& v) {
     v.memory = v.memory == Memory::plain ? Memory::return_point : Memory::plain;
+    v.loop_order = v.loop_order && v.memory == Memory::return_point;
   });
   if (has(&FitRun::has_resistance)) {
     attempt("mixture", 2, [](FitVariant& v) {
@@ -377,7 +378,7 @@ void Fit::fit_order() {
   if (interrupted_ || options_.structure != Structure::ordered) {
     return;
   }
-  from_.kinetics = ordered_before(from_.kinetics);
+  from_.kinetics = ordered_before(from_.kinetics, problem_->variant.memory);
   FitVariant ordered = problem_->variant;
   ordered.taper = true;
   ordered.loop_order = ordered.memory == Memory::return_point;

@@ -29,7 +29,7 @@ double usual_share(std::string_view stage, int iteration);
 
 /// What a fit takes for given about the ends of the curves and the order of the inner loops.
 enum class Structure : unsigned char {
-  paper_000,  ///< both are those of `from`: paper 000's unless it says otherwise
+  paper_000,  ///< both are paper 000's, and fitted only where `from` has others
   ordered     ///< both are fitted (model/README.md)
 };
 /// Their names, by value.

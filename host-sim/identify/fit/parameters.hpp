@@ -95,7 +95,7 @@ inline Surface<double> r2a_above(const Surface<double>& a2r, double hysteresis_K
 
 /// Where a fit of the ends and of the order of the loops starts, if the wire has those of paper
 /// 000: from there the cost has no derivative by them.
-inline ThreePhaseParams<double> ordered_before(ThreePhaseParams<double> from) {
+inline ThreePhaseParams<double> ordered_before(ThreePhaseParams<double> from, Memory memory) {
   constexpr double taper = 0.1, odds = 2;
   const auto start = [](double& of) { of = of > 0 ? of : taper; };
   Surface<double> a2m = first_surface(from.a2m_a2r);
@@ -104,7 +104,8 @@ inline ThreePhaseParams<double> ordered_before(ThreePhaseParams<double> from) {
     start(surface->taper);
   }
   from.a2m_a2r = pair_surfaces(a2m, a2r);
-  from.loop_odds = std::abs(from.loop_odds - 1) > 0 ? from.loop_odds : odds;
+  const bool is_paper = !(std::abs(from.loop_odds - 1) > 0);
+  from.loop_odds = is_paper && memory == Memory::return_point ? odds : from.loop_odds;
   return from;
 }
 
@@ -165,6 +166,14 @@ void vary_shape(const std::string& key, const FitParameter& share, const double 
   ends[1] = T(share.least) + T(share.most - share.least) * x * odds / (T(1) - x + x * odds);
 }
 
+/// A number within a range. A prior at an end of it could not be moved by any deviation.
+inline FitParameter share_of_range(std::string key, double prior, double least, double most) {
+  const double margin = 1e-6 * (most - least);
+  return {
+      std::move(key), "",  1, Form::share, std::clamp(prior, least + margin, most - margin), 1.5,
+      least,          most};
+}
+
 template <class T, class Take>
 Surface<T> vary_surface(const Surface<double>& from, const std::string& name, double max_Pa,
                         double temperature_sd_K, double stress_share, bool taper, Take& take) {
@@ -201,10 +210,8 @@ Surface<T> vary_surface(const Surface<double>& from, const std::string& name, do
   const FitParameter turning{"", "", 1, Form::share, 0, 0.5, 0.05, 0.95};
   vary_shape<T>(key + ".curvature", curvature, from.curvature, max_Pa, 0.3, take, to.curvature);
   vary_shape<T>(key + ".turning", turning, from.turning, max_Pa, 0.5, take, to.turning);
-  to.taper =
-      taper
-          ? take({key + ".taper", "", 1, Form::share, from.taper, 1.5, 0, surface_range.max_taper})
-          : T(from.taper);
+  to.taper = taper ? take(share_of_range(key + ".taper", from.taper, 0, surface_range.max_taper))
+                   : T(from.taper);
   return to.surface(T(max_Pa));
 }
 
@@ -238,8 +245,8 @@ ThreePhaseParams<T> vary_kinetics(const ThreePhaseParams<double>& from, double m
   }
   to.memory = variant.memory;
   to.smallest_reversal_K = T(from.smallest_reversal_K);
-  to.loop_odds = variant.loop_order ? take({"wire.loops.odds", "", 1, Form::share, from.loop_odds,
-                                            1.5, loop_odds_range.min, loop_odds_range.max})
+  to.loop_odds = variant.loop_order ? take(share_of_range("wire.loops.odds", from.loop_odds,
+                                                          loop_odds_range.min, loop_odds_range.max))
                                     : T(from.loop_odds);
   return to;
 }

@@ -1,14 +1,14 @@
 #pragma once
-// The order in which the parts of a wire transform back, seen from the turning point at which they
-// had transformed.
+// The order in which the parts of a wire transform back after a reversal.
 //
 // In paper 000 a branch converts the same share of any pool: which parts of the wire became
-// martensite first says nothing about which of them goes back first. Wires remember more. Parts
-// that become martensite late, at a low temperature, tend to go back early. Here every part has a
-// rank in A2M, the share u of A2M's outer curve at which it becomes martensite, and a rank v in
-// M2A, and both are drawn together. What the parts with u < q have left, where M2A's outer curve
-// has v left, is their joint distribution C(v, q): a model of Preisach's kind with two outer curves
-// and a copula.
+// martensite first says nothing about which of them goes back first. A real wire remembers which of
+// its parts transformed: those that became martensite last, at the lowest temperature, tend to
+// become austenite first. So every part has two ranks. The one in A2M is the share u that A2M's
+// outer curve has converted when the part becomes martensite; the one in M2A is the share v that
+// M2A's outer curve has left when the part becomes austenite. Of the parts with u < q, the share
+// C(v, q) of the whole wire is still martensite where M2A's outer curve has v left; C is the joint
+// distribution of the ranks. This is a model of Preisach's kind with two outer curves and a copula.
 //
 // Source of the copula: Plackett 1965, 'A class of bivariate distributions'. It has one parameter,
 // the odds ratio θ, and is explicit in both directions:
@@ -38,8 +38,8 @@ struct LoopOrder {
   /// Whether it(v) is anything but v: the branch is not an outer one, and θ is not 1.
   bool matters() const { return (a < S(0) || S(0) < a) && q < S(1); }
 
-  /// C(v, q), with which a branch takes the place of its outer curve v: their ratios count only.
-  /// Cost: a square root, a division, 15 flops; nothing where it does not matter.
+  /// C(v, q), which takes the place of the outer curve v; only its ratios are used.
+  /// Cost: a square root, a division, 20 flops; nothing where it does not matter.
   S operator()(const S& v) const { return matters() ? joint(v) : v; }
   /// dC/dv
   S slope(const S& v) const { return matters() ? joint_slope(v) : S(1); }

@@ -12,8 +12,9 @@
 // of the temperature walk the fractions away. With memory every reversal is kept as a turning
 // point, and a branch that heads back to one converts only what was converted since, so that
 // nothing of it is left on arrival: the ratio becomes (s(new) - s*)/(s(old) - s*), with s* the
-// value at the turning point. Passing a turning point wipes its loop out. An outer branch is the
-// same with its turning point at infinity, where s* = 0. model/README.md draws it.
+// value at the turning point. With LoopOrder, C(s, q) takes the place of each s of M2A and A2M.
+// Passing a turning point wipes its loop out. An outer branch is the same with its turning point at
+// infinity, where s* = 0. model/README.md draws it.
 //
 // This file is long because step, memory and derivatives share their private parts.
 
@@ -203,7 +204,13 @@ struct ThreePhase {
   /// The order in which a branch of M2A or A2M transforms, if the other one of them had this left
   /// at the turning point behind the branch.
   static LoopOrder<S> loop_order(const Params& p, const S& left) {
-    return {p.loop_odds - S(1), S(1) - left};
+    if (p.memory == Memory::plain) {
+      return {S(0), S(1)};
+    }
+    // Rounding may have left nothing converted; the branch would then lead nowhere.
+    const S least = S(1e-6);
+    const S q = S(1) - left;
+    return {p.loop_odds - S(1), q < least ? least : q};
   }
 
   /// Where the last step went.

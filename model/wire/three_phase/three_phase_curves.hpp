@@ -23,8 +23,9 @@ struct ThreePhaseParams {
   /// Only a reversal larger than this counts; until then nothing transforms. Then the part that was
   /// held back follows at once, so larger motions at one stress do not depend on it.
   S smallest_reversal_K = S(0);
-  /// θ of LoopOrder, in loop_odds_range: how the orders in which the wire's parts become martensite
-  /// and leave it hang together. 1: not at all, as in 000.
+  /// θ of LoopOrder, in loop_odds_range: how strongly the order in which the wire's parts leave
+  /// martensite depends on the order in which they became it. 1: not at all, as in 000. Without
+  /// memory it has no effect.
   S loop_odds = S(1);
 };
 

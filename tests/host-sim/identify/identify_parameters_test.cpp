@@ -20,7 +20,7 @@ constexpr identify::FitVariant variants[] = {
 Wire<double> start_of(const identify::FitVariant& variant) {
   Wire<double> wire = files::load_wire("smartflex-76um").wire;
   if (variant.taper) {
-    wire.kinetics = identify::ordered_before(wire.kinetics);
+    wire.kinetics = identify::ordered_before(wire.kinetics, Memory::return_point);
   }
   return wire;
 }

@@ -214,6 +214,41 @@ TEST(Inverse, SurfacesOfTheirOwnAreBoundedErrors) {
   }
 }
 
+/// Without memory a wire has no order, whatever its odds.
+TEST(Inverse, OddsMeanNothingWithoutMemory) {
+  Model::Params p = exact_wire();
+  p.kinetics.memory = Memory::plain;
+  Model::Params odd = p;
+  odd.kinetics.loop_odds = 30;
+  along_histories(p, 150e6, 20, [&](const K::State& s, std::mt19937_64& random) {
+    const double now = strain_of(p, K::phases(s), 150e6);
+    const double away = 0.02 * uniform(random);
+    EXPECT_EQ(Inverted::heating(odd, s, 150e6, now - away).temperature_K,
+              Inverted::heating(p, s, 150e6, now - away).temperature_K);
+    EXPECT_EQ(Inverted::cooling(odd, s, 150e6, now + away).temperature_K,
+              Inverted::cooling(p, s, 150e6, now + away).temperature_K);
+  });
+}
+
+/// A wire that was so far above A2M that rounding leaves nothing converted, and has just turned.
+TEST(Inverse, IsFiniteWhereAlmostNothingHasBeenConverted) {
+  Model::Params p = ordered_wire();
+  p.kinetics.a2m_a2r.taper = Pair<double>(20);
+  p.kinetics.m2a.taper = 20;
+  for (const double hot_K : {420.0, 600.0, 1500.0}) {
+    K::State s = K::rest(p.kinetics, {300, 100e6});
+    K::advance(p.kinetics, s, {hot_K, 100e6});
+    K::advance(p.kinetics, s, {hot_K - 5, 100e6});
+    const double now = strain_of(p, K::phases(s), 100e6);
+    for (const double away : {-0.01, 0.0, 1e-6, 0.01}) {
+      const BranchPoint<double> hot = Inverted::heating(p, s, 100e6, now - away);
+      const BranchPoint<double> cold = Inverted::cooling(p, s, 100e6, now + away);
+      EXPECT_TRUE(std::isfinite(hot.temperature_K + hot.phases.martensite)) << hot_K;
+      EXPECT_TRUE(std::isfinite(cold.temperature_K + cold.phases.martensite)) << hot_K;
+    }
+  }
+}
+
 TEST(Inverse, FloatAgreesWithDouble) {
   const Model::Params p = exact_wire();
   const auto pf = benchmarks::convert<float>(p);

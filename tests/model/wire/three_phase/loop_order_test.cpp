@@ -155,7 +155,6 @@ TEST_F(LoopOrderTest, TheWireIsOneOfManyPartsWithTwoThresholdsEach) {
       K::State without = K::rest(plain, {450, stress_Pa});
       for (int leg = 0; leg < 60; ++leg) {
         const double T = a2m.start_K - 20 + uniform(0, m2a.start_K - a2m.start_K + 40);
-        // The way back to a turning point: in one step or in several.
         K::advance(p, s, {T, stress_Pa});
         K::advance(plain, without, {T, stress_Pa});
         parts.move(a2m.remaining(T), m2a.remaining(T));
