@@ -31,7 +31,7 @@ struct EvaluateOptions {
   /// Folder of the calibrated wires, created if it is missing. A unit whose file (calibrated_name)
   /// is there is not calibrated again. Empty: nothing is kept.
   std::string wires;
-  identify::Structure structure = identify::Structure::paper_000;  ///< of the calibrations
+  identify::Structure structure = identify::Structure::automatic;  ///< of the calibrations
   /// What calibrates a unit instead of calibrated_wire(), if it is set.
   std::function<Wire<double>(const bench::WireUnit&)> calibrated;
   /// Called when a stage begins and after each of its parts, never by two threads at once. What it

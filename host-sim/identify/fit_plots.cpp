@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "host-sim/identify/fitted_wire.hpp"
@@ -187,10 +189,46 @@ class RunDrawing {
   FitColumns columns_;
 };
 
+/// The observer's error in runs that a fit has not seen, over the stress of the run.
+report::Panel judgement_panel(const FitResult& fit, const std::vector<Run>& runs) {
+  std::vector<double> stress_MPa;
+  for (const std::size_t i : fit.judgement.runs) {
+    const std::vector<double>& stress_Pa = runs[i].stress_Pa;
+    stress_MPa.push_back(1e-6 * std::accumulate(stress_Pa.begin(), stress_Pa.end(), 0.0) /
+                         static_cast<double>(stress_Pa.size()));
+  }
+  const report::Column x = report::column(stress_MPa);
+  report::Panel panel{.title = "Runs that were left out of a fit",
+                      .caption =
+                          "Mean error of the observer in each run, with a wire that was "
+                          "fitted to the half of the runs without it.",
+                      .half_width = true,
+                      .height = 400,
+                      .x = {.label = "mean stress in MPa"},
+                      .y = {.label = "error in % of the stroke"}};
+  for (const JudgedStructure& judged : fit.judgement.structures) {
+    if (!judged.unseen.empty()) {
+      std::vector<double> percent;
+      std::ranges::transform(judged.unseen, std::back_inserter(percent),
+                             [](double share) { return 100 * share; });
+      panel.series.push_back(
+          {.name = std::string(structure_name(judged.structure)),
+           .colour = judged.structure == Structure::ordered ? "estimate" : "reference",
+           .x = x,
+           .y = report::column(percent)});
+    }
+  }
+  return panel;
+}
+
 }  // namespace
 
 std::vector<report::Panel> fit_panels(const FitResult& fit, const std::vector<Run>& runs) {
   std::vector<report::Panel> all;
+  report::Panel judgement = judgement_panel(fit, runs);
+  if (!judgement.series.empty()) {
+    all.push_back(std::move(judgement));
+  }
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
     const RunDrawing drawing(fit.runs[i], runs[i], i, fit.wire.nominal_stroke);
     for (report::Panel& panel : drawing.all()) {

@@ -277,6 +277,12 @@ files::WireDescription fitted_wire(const files::WireDescription& from, const Fit
       sources[path] = text;
     }
   }
+  if (fit.wire.accuracy.strain > fit.strain_sd && fit.strain_sd > 0) {
+    sources["wire.accuracy.strain"] = fmt::format(
+        "more than the {:.2g} % that the fit to {} leaves, because the observer's "
+        "reported deviation depends on it, and has to hold in other runs",
+        100 * fit.strain_sd, file_names(fit));
+  }
   files::WireDescription wire{name, now, {sources.begin(), sources.end()}};
   check_valid(wire);
   return wire;

@@ -170,7 +170,8 @@ void add_identify_command(CLI::App& app) {
   command
       ->add_option("--structure", a->structure,
                    "ends of the curves and order of the inner loops: paper-000, fitted only where "
-                   "--from has others than the paper; ordered, fitted")
+                   "--from has others than the paper; ordered, fitted; auto, ordered if with it "
+                   "the observer errs clearly less in runs left out of the fit")
       ->check(
           CLI::IsMember(std::vector<std::string>(structure_names.begin(), structure_names.end())))
       ->capture_default_str();

@@ -116,6 +116,45 @@ files::TextTable runs_table(const Identification& all) {
   }
   return table;
 }
+
+constexpr std::string_view judgement_heading =
+    "structures by the observer's mean error in % of the stroke:";
+
+/// The observer's mean errors with each structure that was judged.
+files::TextTable judgement_table(const FitResult& fit) {
+  files::TextTable table({{"structure"},
+                          {"in runs of the fit", "{:.2f}", "", 100},
+                          {"in runs left out", "{:.2f}", "", 100},
+                          {""}});
+  const Judgement& judgement = fit.judgement;
+  for (const JudgedStructure& judged : judgement.structures) {
+    const bool chosen = judged.structure == judgement.chosen();
+    table.add({structure_name(judged.structure), mean_error(judged.seen), mean_error(judged.unseen),
+               chosen ? "chosen" : "not chosen"});
+  }
+  return table;
+}
+
+/// What a reader has to know of the choice besides the table.
+std::string judgement_text(const FitResult& fit) {
+  const double stroke = fit.wire.nominal_stroke;
+  std::string text;
+  if (fit.structure_asked == Structure::automatic && fit.judgement.structures.empty()) {
+    text = fmt::format(
+        "no structure was chosen: that takes {} runs with current, voltage and strain\n",
+        least_judged_runs);
+  }
+  if (!std::isnan(fit.share_within_2_sd)) {
+    text += fmt::format(
+        "in runs left out {:.0f} % of the observer's errors are within twice the deviation that "
+        "it\n"
+        "reports with wire.accuracy.strain of {:.2f} % of the stroke; the fit leaves {:.2f} %\n",
+        100 * fit.share_within_2_sd, 100 * fit.wire.accuracy.strain / stroke,
+        100 * fit.strain_sd / stroke);
+  }
+  return text;
+}
+
 std::string heat_flows(const FitResult& fit) {
   std::string text;
   for (const FittedRun& run : fit.runs) {
@@ -200,6 +239,27 @@ Json run_json(const Identification& all, std::size_t i) {
   return json;
 }
 
+/// The structures that were judged, each with the observer's mean error in each judged run.
+Json judgement_json(const FitResult& fit) {
+  const Judgement& judgement = fit.judgement;
+  Json all = Json::array();
+  const auto by_run = [&](const std::vector<double>& errors) {
+    Json percents = Json::object();
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      percents[fit.runs[judgement.runs[i]].name] = 100 * errors[i];
+    }
+    return percents;
+  };
+  for (const JudgedStructure& judged : judgement.structures) {
+    all.push_back(
+        {{"structure", structure_name(judged.structure)},
+         {"chosen", judged.structure == judgement.chosen()},
+         {"observer_error_percent",
+          {{"runs_of_the_fit", by_run(judged.seen)}, {"runs_left_out", by_run(judged.unseen)}}}});
+  }
+  return all;
+}
+
 Json parameter_json(const FittedParameter& fitted) {
   const Figure f = figure(fitted);
   return {{"key", fitted.parameter.key},
@@ -234,6 +294,10 @@ std::string fit_summary(const Identification& all) {
   std::string text = heading(all) + "\n" + unit_of_errors(all) + "\n" + runs_table(all).text();
   text += heat_flows(all.fit) + joint_text(all.fit);
   text += fmt::format("structure: {}\n", structure(all.fit.variant)) + circuit(all.fit);
+  if (!all.fit.judgement.structures.empty()) {
+    text += fmt::format("{}\n", judgement_heading) + judgement_table(all.fit).text();
+  }
+  text += judgement_text(all.fit);
   const std::vector<std::string> found = parameters_text(all.fit, true);
   if (!found.empty()) {
     text += fmt::format("determined by these runs:\n  {}\n", fmt::join(found, "\n  "));
@@ -269,6 +333,13 @@ std::string fit_json(const Identification& all) {
       {"memory", fit.variant.memory == Memory::return_point ? "return-point" : "plain"},
       {"loop_order", fit.variant.loop_order},
       {"mixture", fit.variant.mixture == Mixture::series ? "series" : "parallel"}};
+  json["structure"]["judged"] = judgement_json(fit);
+  json["accuracy"] = {
+      {"left_by_the_fit_percent", 100 * fit.strain_sd / fit.wire.nominal_stroke},
+      {"of_the_wire_percent", 100 * fit.wire.accuracy.strain / fit.wire.nominal_stroke}};
+  if (!std::isnan(fit.share_within_2_sd)) {
+    json["accuracy"]["within_2_sd_percent"] = 100 * fit.share_within_2_sd;
+  }
   if (fit.circuit_fitted) {
     json["circuit"] = {{"lead_resistance_ohm", fit.circuit.lead_ohm},
                        {"load_gain", fit.circuit.load_gain}};
@@ -296,6 +367,12 @@ void write_fit_report(const std::string& path, const Identification& all, Units 
                                   "structure: " + structure(all.fit.variant), circuit(all.fit)}) {
     html += text.empty() ? "" : fmt::format("<p>{}</p>\n", files::escaped(text));
   }
+  if (!all.fit.judgement.structures.empty()) {
+    html += fmt::format("<p>{}</p>\n", files::escaped(judgement_heading)) +
+            judgement_table(all.fit).html();
+  }
+  const std::string judgement = judgement_text(all.fit);
+  html += judgement.empty() ? "" : fmt::format("<p>{}</p>\n", files::escaped(judgement));
   html += report::plots_html(fit_panels(all.fit, all.runs), units);
   html += parameters_html(all.fit);
   const std::string correlations = correlations_text(all.fit);

@@ -39,7 +39,7 @@
 //
 // The same heat also raises the resistance of a wire whose verdict stands. If it rises although by
 // the file's cooling the wire is too hot to transform, and so far that the wire would be above its
-// limit, it is probed again. Each such probe doubles the time until the next one.
+// limit, it is probed again. Each such probe doubles the time until the next one, up to 16 s.
 //
 // The verdict says what the last test told, and when a wire that is hot is probed again:
 //

@@ -60,8 +60,10 @@ Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& fol
 }
 
 std::string calibrated_name(hal::Family family, std::uint64_t seed, identify::Structure structure) {
-  return fmt::format("{}-{}{}.toml", hal::family_name(family), seed,
-                     structure == identify::Structure::ordered ? "-ordered" : "");
+  const std::string forced = structure == identify::Structure::automatic
+                                 ? ""
+                                 : fmt::format("-{}", identify::structure_name(structure));
+  return fmt::format("{}-{}{}.toml", hal::family_name(family), seed, forced);
 }
 
 }  // namespace smaservo::evaluate

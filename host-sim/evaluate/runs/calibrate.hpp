@@ -19,15 +19,15 @@ identify::Run calibration_measurement(const bench::WireUnit& unit, std::size_t i
 /// it asks many times.
 files::WireDescription calibrate(
     const bench::WireUnit& unit, const std::function<bool()>& proceed = [] { return true; },
-    identify::Structure structure = identify::Structure::paper_000);
+    identify::Structure structure = identify::Structure::automatic);
 
 /// Like calibrate(), with a folder that keeps the wires: a wire in it is read, another one is
 /// calibrated and written. An empty name keeps nothing. Throws UserError.
 Wire<double> calibrated_wire(const bench::WireUnit& unit, const std::string& folder,
-                             identify::Structure structure = identify::Structure::paper_000);
+                             identify::Structure structure = identify::Structure::automatic);
 
 /// The file name of a unit's calibrated wire, such as "ihyp-1000.toml" or "ihyp-1000-ordered.toml".
 std::string calibrated_name(hal::Family family, std::uint64_t seed,
-                            identify::Structure structure = identify::Structure::paper_000);
+                            identify::Structure structure = identify::Structure::automatic);
 
 }  // namespace smaservo::evaluate

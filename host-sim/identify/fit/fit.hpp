@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,18 +30,24 @@ double usual_share(std::string_view stage, int iteration);
 
 /// What a fit takes for given about the ends of the curves and the order of the inner loops.
 enum class Structure : unsigned char {
-  paper_000,  ///< both are paper 000's, and fitted only where `from` has others
+  automatic,  ///< one of the others, by the observer's errors in runs that are left out
+  paper_000,  ///< neither is fitted, except where `from` has others than paper 000
   ordered     ///< both are fitted (model/README.md)
 };
 /// Their names, by value.
-inline constexpr std::array<std::string_view, 2> structure_names{"paper-000", "ordered"};
+inline constexpr std::array<std::string_view, 3> structure_names{"auto", "paper-000", "ordered"};
 /// The structure with this name, which must be one of them.
 inline Structure structure_named(std::string_view name) {
-  return name == structure_names[0] ? Structure::paper_000 : Structure::ordered;
+  return name == structure_names[0]   ? Structure::automatic
+         : name == structure_names[1] ? Structure::paper_000
+                                      : Structure::ordered;
+}
+inline std::string_view structure_name(Structure structure) {
+  return structure_names.at(static_cast<std::size_t>(structure));
 }
 
 struct FitOptions {
-  Structure structure = Structure::paper_000;
+  Structure structure = Structure::automatic;
   int threads = 1;
   bool variants = true;  ///< also try other structures of the model: separate surfaces, mixture
   bool circuit = false;  ///< also fit the resistance of the leads and the gain of the load cell
@@ -86,6 +93,33 @@ struct FittedRun {
   std::vector<double> ambiguity;  ///< see Predicted
 };
 
+/// How the observer errs with a structure: the mean error of its strain in each of the judged runs,
+/// as a share of the nominal stroke.
+struct JudgedStructure {
+  Structure structure;
+  std::vector<double> seen;  ///< with the wire that was fitted to all runs
+  /// With a wire that was fitted without the run; empty if `seen` was not clearly less than that of
+  /// the structure before, which then stays.
+  std::vector<double> unseen;
+};
+
+/// The mean of these errors; NaN if there are none.
+double mean_error(const std::vector<double>& errors);
+
+/// With fewer runs than these a half of them would not tell how the wire depends on stress.
+inline constexpr std::size_t least_judged_runs = 4;
+
+/// How the structure was chosen.
+struct Judgement {
+  /// The judged runs by rising stress; empty if there are fewer than least_judged_runs in which an
+  /// observer can be judged: heated by current, with strain and resistance.
+  std::vector<std::size_t> runs;
+  std::vector<JudgedStructure> structures;
+
+  /// The one with which the fit went on. At least one must have been judged.
+  Structure chosen() const;
+};
+
 struct FitResult {
   Wire<double> wire;
   FitVariant variant;
@@ -93,6 +127,14 @@ struct FitResult {
   /// Correlations between determined parameters, the strongest first.
   std::vector<Correlation> correlations;
   std::vector<FittedRun> runs;
+  Structure structure_asked;  ///< FitOptions::structure
+  Judgement judgement;
+  /// RMS error of the strain that the fit leaves. The wire's accuracy is greater where the observer
+  /// would otherwise report too small a deviation in runs that the fit has not seen.
+  double strain_sd = 0;
+  /// Share of the observer's errors in the judged runs, left out, that are within twice the
+  /// deviation it reports with this accuracy; NaN if none was judged.
+  double share_within_2_sd = std::numeric_limits<double>::quiet_NaN();
   CircuitGuess<double> circuit{};
   bool circuit_fitted = false;
   bool interrupted = false;

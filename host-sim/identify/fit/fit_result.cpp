@@ -274,6 +274,12 @@ void Fit::describe(FitResult& result) {
   const Assumed<double> assumed = cost.assumed<double>(u.data());
   result.wire = restored(assumed.wire);
   accuracy(result.wire.accuracy);
+  result.strain_sd = result.wire.accuracy.strain;
+  const Honest honest = honest_strain_sd(result.strain_sd);
+  result.wire.accuracy.strain = honest.strain_sd;
+  result.share_within_2_sd = honest.share_within_2_sd;
+  result.structure_asked = options_.structure;
+  result.judgement = judgement_;
   result.circuit = assumed.circuit;
   result.circuit_fitted = problem_->variant.circuit;
   result.variant = problem_->variant;

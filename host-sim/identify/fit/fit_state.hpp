@@ -16,6 +16,7 @@
 #include "host-sim/identify/fit/cost/all_runs_cost.hpp"
 #include "host-sim/identify/fit/cost/run_cost.hpp"
 #include "host-sim/identify/fit/fit.hpp"
+#include "host-sim/identify/fit/judge/observed_run.hpp"
 #include "host-sim/identify/fit/spread.hpp"
 
 namespace smaservo::identify {
@@ -95,6 +96,23 @@ class Fit {
   /// Replaces the coarsely thinned runs by finely thinned ones.
   void refine();
 
+  // judge/fit_choice.cpp
+  /// A run, and a fit with whose wire the observer is judged in it.
+  struct Seen {
+    std::size_t run;
+    Assumed<double> as_fitted;
+  };
+  Runs judgeable() const;
+  Seen seen(std::size_t run) const;
+  std::vector<Seen> unseen(const std::string& stage);
+  std::vector<ObserverErrors> errors(const std::vector<Seen>& wires, double strain_sd) const;
+  JudgedStructure judge(Structure structure, const JudgedStructure* to_beat);
+  void choose_structure();
+  struct Honest {
+    double strain_sd, share_within_2_sd;
+  };
+  Honest honest_strain_sd(double fitted_sd);
+
   // fit_kept.cpp
   Eigen::MatrixXd covariance(const std::vector<Active>& changing) const;
   bool is_of_wire(const Active& one) const { return one.index < problem_->parameters.size(); }
@@ -135,6 +153,11 @@ class Fit {
   std::set<std::string> kept_;
   /// Keys of parameters without which the fit was clearly worse.
   std::set<std::string> needed_;
+  Judgement judgement_;
+  /// The judged runs with wires of the chosen structure that were fitted without them.
+  std::vector<Seen> unseen_;
+  /// Error of the strain that was left before ends and order were fitted; 0 if they were not.
+  double simpler_strain_sd_ = 0;
   bool interrupted_ = false;
   bool converged_ = true;  ///< result of the last solve()
   int iterations_ = 0;

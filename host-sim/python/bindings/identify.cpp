@@ -143,7 +143,7 @@ py::list fitted_parameters(const identify::FitResult& fit) {
 
 py::dict identify_runs(const files::WireDescription& from, const py::list& runs,
                        const std::string& name, const identify::RunOptions& options, int threads,
-                       bool circuit, const py::object& progress) {
+                       bool circuit, const std::string& structure, const py::object& progress) {
   std::vector<Source> sources;
   for (const py::handle run : runs) {
     sources.push_back(source_of(run));
@@ -158,6 +158,7 @@ py::dict identify_runs(const files::WireDescription& from, const py::list& runs,
     }
     identify::FitOptions fit;
     fit.circuit = circuit;
+    fit.structure = identify::structure_named(structure);
     fit.threads =
         threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     fit.proceed = [&](const identify::FitProgress& at) { return calls.go_on(at); };
@@ -186,16 +187,17 @@ py::dict identify_runs(const files::WireDescription& from, const py::list& runs,
 }  // namespace
 
 void add_identify(py::module_& module) {
-  module.def("identify_runs",
-             [](const files::WireDescription& from, const py::list& runs, const std::string& name,
-                std::optional<double> load_N, std::optional<double> stress_Pa,
-                const std::vector<std::string>& columns, const std::vector<std::string>& allow,
-                bool lenient, int threads, bool circuit, const py::object& progress) {
-               identify::RunOptions options{from.wire.geometry, stress_Pa, load_N,
-                                            trace_options(lenient, std::nullopt, columns), allow};
-               options.trace.resistance_and_power = true;
-               return identify_runs(from, runs, name, options, threads, circuit, progress);
-             });
+  module.def(
+      "identify_runs", [](const files::WireDescription& from, const py::list& runs,
+                          const std::string& name, std::optional<double> load_N,
+                          std::optional<double> stress_Pa, const std::vector<std::string>& columns,
+                          const std::vector<std::string>& allow, bool lenient, int threads,
+                          bool circuit, const std::string& structure, const py::object& progress) {
+        identify::RunOptions options{from.wire.geometry, stress_Pa, load_N,
+                                     trace_options(lenient, std::nullopt, columns), allow};
+        options.trace.resistance_and_power = true;
+        return identify_runs(from, runs, name, options, threads, circuit, structure, progress);
+      });
 }
 
 }  // namespace smaservo::python

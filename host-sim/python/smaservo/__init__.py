@@ -267,19 +267,23 @@ def identify(
     lenient: bool = False,
     threads: int = 0,
     circuit: bool = False,
+    structure: str = 'auto',
     progress: Callable[[str, float, float], bool | None] | None = None,
 ) -> Identification:
     """Fits a wire's parameters to measured runs, as `host-sim identify` does. It takes minutes.
 
     A run is a file, or columns by name as for replay(). start is the nearest wire; its length and
     diameter must be right. load_N or stress_Pa is the load of runs that have none. threads is 0 for all
-    cores. progress is called with the stage, the share that is done and the cost; the fit ends with what
-    it has if the answer is False. Ctrl-C raises KeyboardInterrupt.
+    cores. structure is 'auto', 'paper-000' or 'ordered', as of the command. progress is called with the
+    stage, the share that is done and the cost; the fit ends with what it has if the answer is False.
+    Ctrl-C raises KeyboardInterrupt.
 
     Raises UserError for runs that cannot be used, and where the fit explains too little of them.
     """
     if isinstance(runs, (str, os.PathLike)) or _tables.is_table(runs):
         raise TypeError('runs: must be a list of files or tables')
+    if structure not in ('auto', 'paper-000', 'ordered'):
+        raise ValueError(f"structure: must be 'auto', 'paper-000' or 'ordered', and is {structure!r}")
     _require('load_N', load_N, 0, 1e5)
     _require('stress_Pa', stress_Pa, 0, 1e10)
     sources: list[tuple[str, str, list[str], list[Any]]] = []
@@ -303,6 +307,7 @@ def identify(
         lenient,
         threads,
         circuit,
+        structure,
         progress,
     )
     _warn(result['warnings'])

@@ -223,6 +223,7 @@ def identify_runs(
     lenient: bool,
     threads: int,
     circuit: bool,
+    structure: str,
     progress: Callable[[str, float, float], bool | None] | None,
     /,
 ) -> dict[str, Any]: ...

@@ -9,39 +9,10 @@
 
 #include "host-sim/identify/fit/fit.hpp"
 #include "model/files/wire/wire_file.hpp"
-#include "model/wire/wire_plant.hpp"
+#include "tests/host-sim/identify/simulated_runs.hpp"
 
 namespace smaservo::test {
 namespace {
-
-/// A cycle and some steps of the current, 24 s at 50 rows/s.
-identify::Run joule_run(const Wire<double>& wire, double load_Pa, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> level(0.1, 0.75);
-  std::normal_distribution<double> noise;
-  const double load_N = load_Pa * wire.geometry.area_m2();
-  const double hot_A = (1 + 0.3 * load_Pa / 400e6) * wire.limits.current_A;
-  WirePlant plant(wire, load_N);
-  identify::Run run{};
-  run.name = "joule";
-  run.kind = identify::RunKind::joule;
-  double current_A = 0;
-  for (int i = 0; i < 1200; ++i) {
-    const double t_s = 0.02 * i;
-    if (t_s < 10) {
-      current_A = std::fmod(t_s, 10) < 5 ? hot_A : 0.1 * hot_A;
-    } else if (i % 50 == 0) {
-      current_A = hot_A * std::sqrt(level(random));
-    }
-    const WireOutput<double> now = plant.update({.current_A = current_A, .load_N = load_N}, 0.02);
-    run.time_s.push_back(t_s);
-    run.current_A.push_back(current_A);
-    run.voltage_V.push_back(current_A * now.resistance_ohm * (1 + 1e-4 * noise(random)));
-    run.resistance_ohm.push_back(run.voltage_V.back() / current_A);
-    run.strain.push_back(now.strain + 2e-5 * noise(random));
-    run.stress_Pa.push_back(load_Pa);
-  }
-  return run;
-}
 
 /// Of the greatest resistance error of all runs, at the measured strain, RMS.
 double resistance_error(const identify::FitResult& fit) {

@@ -1,6 +1,6 @@
 #pragma once
-// Runs in a calorimeter and in a bath as a laboratory would measure them, of a wire that the tests
-// know.
+// Runs in a calorimeter, in a bath and heated by current as a laboratory would measure them, of a
+// wire that the tests know.
 
 #include <cmath>
 #include <random>
@@ -8,6 +8,7 @@
 
 #include "host-sim/identify/runs/run.hpp"
 #include "model/wire/plant.hpp"
+#include "model/wire/wire_plant.hpp"
 
 namespace smaservo::test {
 
@@ -63,6 +64,35 @@ inline identify::Run bath_run(const Wire<double>& wire, double stress_Pa, std::m
     run.strain.push_back(Plant<Model>::strain(params, state) + noise(random));
   }
   run.stress_Pa.assign(run.temperature_K.size(), stress_Pa);
+  return run;
+}
+
+/// A cycle and some steps of the current, 24 s at 50 rows/s.
+inline identify::Run joule_run(const Wire<double>& wire, double load_Pa, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> level(0.1, 0.75);
+  std::normal_distribution<double> noise;
+  const double load_N = load_Pa * wire.geometry.area_m2();
+  const double hot_A = (1 + 0.3 * load_Pa / 400e6) * wire.limits.current_A;
+  WirePlant plant(wire, load_N);
+  identify::Run run{};
+  run.name = "joule";
+  run.kind = identify::RunKind::joule;
+  double current_A = 0;
+  for (int i = 0; i < 1200; ++i) {
+    const double t_s = 0.02 * i;
+    if (t_s < 10) {
+      current_A = std::fmod(t_s, 10) < 5 ? hot_A : 0.1 * hot_A;
+    } else if (i % 50 == 0) {
+      current_A = hot_A * std::sqrt(level(random));
+    }
+    const WireOutput<double> now = plant.update({.current_A = current_A, .load_N = load_N}, 0.02);
+    run.time_s.push_back(t_s);
+    run.current_A.push_back(current_A);
+    run.voltage_V.push_back(current_A * now.resistance_ohm * (1 + 1e-4 * noise(random)));
+    run.resistance_ohm.push_back(run.voltage_V.back() / current_A);
+    run.strain.push_back(now.strain + 2e-5 * noise(random));
+    run.stress_Pa.push_back(load_Pa);
+  }
   return run;
 }
 
