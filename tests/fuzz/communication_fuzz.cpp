@@ -5,6 +5,7 @@
 
 #include "firmware/canopen/node/object.hpp"
 #include "tests/firmware/canopen/servo/frame_feeder.hpp"
+#include "tests/fuzz/processor_limit.hpp"
 
 namespace {
 
@@ -26,6 +27,7 @@ Bytes image_of(const ServoRig& rig) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const smaservo::fuzz::ProcessorLimit limit;
   static const smaservo::Settings<double> settings = smaservo::reference_settings();
   ServoConfig config;
   config.ceilings = ceilings_at(settings);

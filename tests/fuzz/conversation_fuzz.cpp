@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host-sim/page/protocol/foxglove.hpp"
+#include "tests/fuzz/processor_limit.hpp"
 
 namespace {
 
@@ -59,6 +60,7 @@ class FuzzedDesk final : public Desk {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const smaservo::fuzz::ProcessorLimit limit;
   static const std::vector<Service> services{{1, "enable", "{}", "{}"}};
   const auto channels = [](unsigned bits) {
     std::vector<Channel> all;

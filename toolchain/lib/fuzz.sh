@@ -41,9 +41,10 @@ fuzz_one() {
     (cd "$root" && gather_seeds "$name") || return
   fi
   mkdir -p "$found" "$found.crashes"
+  # An input that takes long is found by tests/fuzz/processor_limit.hpp, one that waits by -timeout.
   ASAN_OPTIONS=detect_leaks=1:detect_stack_use_after_return=1 UBSAN_OPTIONS=print_stacktrace=1 \
     "$root/build/sanitize/tests/fuzz/${name}_fuzz" -max_total_time="$seconds" -max_len="$length" \
-    -timeout=10 -print_final_stats=1 -artifact_prefix="$found.crashes/" \
+    -timeout=600 -print_final_stats=1 -artifact_prefix="$found.crashes/" \
     "$found" "$corpus"
 }
 
