@@ -27,6 +27,8 @@ struct KalmanTuning {
   /// Relative, for one sample at 1 kHz: the model's error is coloured, so it weighs far more than
   /// the sensor's noise.
   S resistance_model_sd = S(0.05);
+  /// Relative: the bias of the innovation that the model's own error reaches.
+  S resistance_bias = S(1.6e-3);
   S stress_filter_s = S(0.023);
   S start_temperature_sd_K = S(1);
   S start_fraction_sd = S(0.05);
@@ -56,6 +58,8 @@ constexpr KalmanTuning<S> kalman_tuning(const Accuracy<S>& accuracy) {
   tuning.fraction_noise = S(375) * accuracy.strain;
   tuning.start_fraction_sd = S(27) * accuracy.strain;
   tuning.strain_model_sd = S(0.4) * accuracy.strain;
+  const S bias = S(1.5) * accuracy.resistance;
+  tuning.resistance_bias = tuning.resistance_bias < bias ? bias : tuning.resistance_bias;
   return tuning;
 }
 
@@ -84,12 +88,16 @@ struct KalmanObserver : FilterStates {
     S ambient_K;
     S start_ambient_K;
     S loss;
+    S loss_range;  ///< the loss stays between this and its reciprocal; wider after go_on()
     S resistance;
     S stress_Pa;       ///< low-pass filtered
     S model_ohm;       ///< resistance expected at the last measurement, before the correction
     S innovation_ohm;  ///< measured less expected resistance; 0 if the measurement was not valid
     S innovation_variance;  ///< expected square of the innovation, ohm²
     S mismatch;             ///< relative magnitude of the innovation, averaged over 2 s
+    S bias;                 ///< relative innovation with its sign, averaged over 0.1 s
+    S noise;                ///< relative standard deviation of the sensors, averaged alike
+    S unproven;             ///< 1 after go_on(); a seventh after a whole transformation
   };
 
   /// A wire that was cooled to the ambient temperature and rests there.
@@ -108,6 +116,14 @@ struct KalmanObserver : FilterStates {
   static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K,
                     const S& temperature_K, const Phases<S>& phases, const S& fraction_sd,
                     const S& temperature_sd_K);
+  /// Leads the kinetics to this temperature along their path, without heat balance or correction.
+  static void lead(const Params& p, State& s, const S& temperature_K) {
+    // Without the derivatives it would be a second copy of the code.
+    Kinetics::advance_linearised(p.model.kinetics, s.kinetics, {temperature_K, s.stress_Pa});
+  }
+  /// Goes on from where lead() has ended: the air has moved, or stands still now, so that the wire
+  /// has got there at this power. The loss is unknown; the phases belong to the temperature.
+  static void go_on(const Params& p, State& s, const S& power_W, Heading heading);
   /// One step of dt_s, 0 to 5 ms: predicts with the power and stress of the measurement, then
   /// corrects with its resistance, where that is valid.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
@@ -115,6 +131,11 @@ struct KalmanObserver : FilterStates {
   static Estimate<S> estimate(const Params& p, const State& s);
   /// Whether the resistance differs from the model's by more than 1 %, averaged over 2 s.
   static bool contradicted(const State& s) { return S(0.01) < s.mismatch; }
+  /// Whether the resistance has differed from the model's in one direction, for 0.1 s or so, by
+  /// more than errors of the model, times this factor, and of the sensors explain.
+  static bool strayed(const Params& p, const State& s, const S& factor) {
+    return factor * p.tuning.resistance_bias + S(3) * s.noise < magnitude(s.bias);
+  }
   /// The strain of the whole wire.
   static S whole_strain(const Params& p, const State& s) {
     return smaservo::strain(p.model.material, p.model.ends.average(Kinetics::phases(s.kinetics)),
@@ -144,6 +165,19 @@ struct KalmanObserver : FilterStates {
   static Expected expected(const Params& p, const State& s);
 
  private:
+  // What go_on() assumes of the loss: it takes the wire further in the same direction, since it is
+  // this factor beyond both the loss before and the one that would balance the power here. A loss
+  // that takes it too far is corrected by the resistance; one that holds it back takes the wire off
+  // its branch, where the resistance says little of the temperature.
+  static constexpr S beyond_balance = S(1.5);
+  static constexpr S moved_loss_range = S(3);
+  static constexpr S moved_loss_sd = S(0.5);
+  static constexpr S moved_temperature_sd_K = S(3);
+  /// Deviation of the strain beyond the filter's own after go_on(): 2 % of a 4 % stroke.
+  static constexpr S unproven_sd = S(8e-4);
+
+  /// Adds the variance of an error that moves temperature, phases and ambient temperature together.
+  static void add_along(Covariance<S>& P, const S (&along)[4], const S& variance);
   static void predict_covariance(const Params& p, Covariance<S>& P, const Linear& f, const S& dt_s);
   static void keep_on_simplex(const Covariance<S>& P, const Phases<S>& z, Vector& change);
   static void correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
@@ -171,12 +205,16 @@ void KalmanObserver<S>::start_at_rest(const Params& p, State& s, const Measureme
       Kinetics::phases(Kinetics::rest(p.model.kinetics, {ambient_K, m.stress_Pa}));
   start(p, s, m, ambient_K, ambient_K, rest, t.start_fraction_sd, t.start_temperature_sd_K);
   // In a warmer room the resting wire would be warmer and have other phases.
-  const S along[] = {S(1), rest_slope.martensite_1_K, rest_slope.r_phase_1_K, S(1)};
-  const S variance = t.start_ambient_sd_K * t.start_ambient_sd_K;
   s.covariance.at(iAmbient, iAmbient) = S(0);
+  add_along(s.covariance, {S(1), rest_slope.martensite_1_K, rest_slope.r_phase_1_K, S(1)},
+            t.start_ambient_sd_K * t.start_ambient_sd_K);
+}
+
+template <class S>
+void KalmanObserver<S>::add_along(Covariance<S>& P, const S (&along)[4], const S& variance) {
   for (int i = 0; i <= iAmbient; ++i) {
     for (int j = 0; j <= iAmbient; ++j) {
-      s.covariance.at(i, j) += along[i] * along[j] * variance;
+      P.at(i, j) += along[i] * along[j] * variance;
     }
   }
 }
@@ -192,6 +230,7 @@ void KalmanObserver<S>::start(const Params& p, State& s, const Measurement<S>& m
   s.ambient_K = ambient_K;
   s.start_ambient_K = ambient_K;
   s.loss = S(1);
+  s.loss_range = t.loss_range;
   s.resistance = S(1);
   s.stress_Pa = m.stress_Pa;
   const S sd[size] = {temperature_sd_K,     fraction_sd,     fraction_sd,
@@ -203,12 +242,41 @@ void KalmanObserver<S>::start(const Params& p, State& s, const Measurement<S>& m
 }
 
 template <class S>
+void KalmanObserver<S>::go_on(const Params& p, State& s, const S& power_W, Heading heading) {
+  const S above_K = s.kinetics.drive.temperature_K - s.ambient_K;
+  const S balance = power_W / p.model.body.loss_W(above_K);
+  const S loss = heading == Heading::cooling
+                     ? beyond_balance * (s.loss < balance ? balance : s.loss)
+                     : min(s.loss, balance) / beyond_balance;
+  s.loss_range = s.loss_range < moved_loss_range ? moved_loss_range : s.loss_range;
+  s.loss = clamp(loss, S(1) / s.loss_range, s.loss_range);
+  s.rates = Kinetics::rates(p.model.kinetics, s.kinetics, heading);
+  s.heat_J = S(0);
+  s.mismatch = S(0);
+  s.bias = S(0);
+  s.unproven = S(1);
+  S variance[size];
+  for (int i = 0; i < size; ++i) {
+    variance[i] = s.covariance.at(i, i);
+  }
+  variance[iT] = S(0);
+  variance[iLoss] = moved_loss_sd * moved_loss_sd;
+  s.covariance = {};
+  for (int i = 0; i < size; ++i) {
+    s.covariance.at(i, i) = variance[i];
+  }
+  add_along(s.covariance, {S(1), s.rates.martensite_1_K, s.rates.r_phase_1_K, S(0)},
+            moved_temperature_sd_K * moved_temperature_sd_K);
+}
+
+template <class S>
 void KalmanObserver<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
   if (m.stress_valid) {
     const S alpha = dt_s / (dt_s + p.tuning.stress_filter_s);
     s.stress_Pa += alpha * (m.stress_Pa - s.stress_Pa);
   }
   const Linear f = predict_mean(p, s, m.power_W, dt_s);
+  s.unproven *= positive(S(1) - S(2) * (f.converted_m + f.converted_r));
   predict_covariance(p, s.covariance, f, dt_s);
   const Expected expect = expected(p, s);
   s.model_ohm = expect.ohm;
@@ -228,9 +296,10 @@ Estimate<S> KalmanObserver<S>::estimate(const Params& p, const State& s) {
   const Covariance<S>& P = s.covariance;
   const S variance =
       by_m * by_m * P.at(iM, iM) + S(2) * by_m * by_r * P.at(iM, iR) + by_r * by_r * P.at(iR, iR);
+  const S unproven = s.unproven * unproven_sd;
   return {strain(p.model.material, z, s.stress_Pa),
           sqrt(p.tuning.reported * p.tuning.reported * (variance < S(0) ? S(0) : variance) +
-               p.tuning.strain_model_sd * p.tuning.strain_model_sd),
+               p.tuning.strain_model_sd * p.tuning.strain_model_sd + unproven * unproven),
           Kinetics::drive(s.kinetics).temperature_K,
           z.martensite,
           z.r_phase,
@@ -383,12 +452,16 @@ void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>&
   Kinetics::correct(p.model.kinetics, s.kinetics, f.tangent, warmer_K, {martensite, r_phase});
   s.ambient_K = clamp(s.ambient_K + change[iAmbient], s.start_ambient_K - q.ambient_range_K,
                       s.start_ambient_K + q.ambient_range_K);
-  s.loss = clamp(s.loss + change[iLoss], S(1) / q.loss_range, q.loss_range);
+  s.loss = clamp(s.loss + change[iLoss], S(1) / s.loss_range, s.loss_range);
   s.resistance = clamp(s.resistance + change[iResistance], S(1) - q.resistance_range,
                        S(1) + q.resistance_range);
   s.innovation_ohm = innovation;
   s.innovation_variance = variance;
-  s.mismatch += dt_s / (dt_s + S(2)) * (magnitude(innovation) / expect.ohm - s.mismatch);
+  const S relative = innovation / expect.ohm;
+  s.mismatch += dt_s / (dt_s + S(2)) * (magnitude(relative) - s.mismatch);
+  const S weight = dt_s / (dt_s + S(0.1));
+  s.bias += weight * (relative - s.bias);
+  s.noise += weight * (m.resistance_sd_ohm / expect.ohm - s.noise);
 }
 
 }  // namespace smaservo

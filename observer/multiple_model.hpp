@@ -3,6 +3,10 @@
 // state, and each is weighed by the likelihood of its innovations until the resistance has shown
 // which one is right. A single filter that starts from wrong phases keeps them.
 //
+// Once one is left, it may still be led astray by air that begins to move, or stops: with another
+// loss the wire has another temperature. Then two more hypotheses leave from it, one on the path of
+// cooling and one on that of heating, to where the resistance is as measured.
+//
 // The work of a search is spread over many calls, so that none costs more than two steps of a
 // filter: observer/README.md, 'The multiple-model filter'.
 
@@ -35,13 +39,13 @@ struct MultipleModelFilter {
 
   /// The hypotheses and how likely they are; trivially copyable.
   struct State {
-    /// Hypothesis i starts as open() defines it.
+    /// Hypothesis i starts as open() defines it, or as a walker of walk().
     std::array<typename Filter::State, hypotheses> filter;
     std::array<Missed, hypotheses> missed;
     std::array<Estimate<S>, hypotheses> last;  ///< estimate after each filter's last step
     /// Log-likelihood of the measured resistances, up to a common constant.
     std::array<S, hypotheses> log_likelihood;
-    /// log_likelihood plus log_prior(), relative to the best one.
+    /// log_likelihood plus log_prior(), relative to the best one; without log_prior() if air_moved.
     std::array<S, hypotheses> log_weight;
     std::uint8_t alive;  ///< bit i: hypothesis i is still possible
     /// The most likely hypothesis; until a search has opened all hypotheses, the leader before it.
@@ -49,14 +53,24 @@ struct MultipleModelFilter {
     std::uint8_t follower;     ///< the last one besides the leader that made a step
     std::uint8_t last_opened;  ///< the hypothesis that the search opened last
     std::uint8_t unopened;     ///< number of hypotheses that the search has still to open
-    std::uint8_t places;  ///< number of temperatures at which the search has looked for R-phase
-    S max_r_phase;        ///< most R-phase found at these temperatures
+    /// Number of temperatures at which the search has looked for R-phase. On a path: 0 before the
+    /// leader was copied, then one more than the steps that the walker has made.
+    std::uint8_t places;
+    S max_r_phase;             ///< most R-phase found at these temperatures
     PhaseRates<S> rest_slope;  ///< change of the phases at rest per kelvin of ambient temperature
     bool rest_slope_known;     ///< the search has computed rest_slope
     S others_start;            ///< initial log-likelihood of hypotheses that do not start at rest
     S start_ambient_K;
-    bool compared;  ///< there has been a valid resistance
-    S doubt_s;      ///< time for which the leader has contradicted the resistance without a break
+    bool compared;           ///< there has been a valid resistance
+    std::uint8_t seen_rest;  ///< bit i: hypothesis i has seen the wire's resistance at rest
+    bool air_moved;          ///< walkers have set out since the last search
+    std::uint8_t origin;     ///< the leader when they set out last
+    S moves;              ///< how often a walker has become the leader and strayed, fading over 5 s
+    S first_missing_ohm;  ///< what the walker's resistance lacked where it began
+    S missing_ohm;        ///< and what it lacks now
+    std::uint8_t paths;   ///< 2 on the path to the cold, 1 on that to the heat, else 0
+    std::uint8_t arrived;  ///< bit i: filter i is a walker that has found the resistance
+    S doubt_s;  ///< time for which the leader has contradicted the resistance without a break
   };
 
   /// Cost: one start at rest, two steps of the filter.
@@ -68,9 +82,10 @@ struct MultipleModelFilter {
   /// Like start() above, but in place: a state takes kilobytes, which a small stack does not have.
   static void start(const Params& p, State& s, const Measurement<S>& m, const S& ambient_K);
 
-  /// Cost: one step of a filter; during a search one more, or a part of an opening that costs as
-  /// much. The most likely hypothesis makes a step in each call, since the device's protection
-  /// relies on it; the others take turns, and a step of theirs covers all that they have missed.
+  /// Cost: one step of a filter; during a search one more, or a part of an opening or of a walker's
+  /// path that costs as much. The most likely hypothesis makes a step in each call, since the
+  /// device's protection relies on it; the others take turns, and a step of theirs covers all that
+  /// they have missed.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
 
   /// The most likely hypothesis.
@@ -92,9 +107,11 @@ struct MultipleModelFilter {
   /// is not safer: the errors of the model would then decide.
   static constexpr S min_log_weight = S(-10);
 
-  /// Added to the deviation of a hypothesis that does not start at rest and therefore has not seen
+  /// Added to the deviation of a hypothesis that did not start at rest and therefore has not seen
   /// the wire's resistance at rest: 2 % of a 4 % stroke, as long as it lives.
   static constexpr S unseen_rest_sd = S(8e-4);
+  /// Factor on the bias of the innovation that such a hypothesis may have before the air is blamed.
+  static constexpr S unseen_rest_bias = S(3);
 
   /// Standard deviation of a strain that may be anywhere in a 4 % stroke: 4 %/sqrt(12).
   static constexpr S unknown_sd = S(0.0115);
@@ -122,10 +139,23 @@ struct MultipleModelFilter {
   static constexpr int places_in_call = 4;
   static constexpr S place_distance_K = S(2.5);
 
-  static bool is_alive(const State& s, std::size_t i) { return (s.alive >> i & 1U) != 0; }
-  static void drop(State& s, std::size_t i) {
-    s.alive = static_cast<std::uint8_t>(s.alive & ~(1U << i));
+  /// A walker goes up to `longest_path` steps from the leader, in each call a few; not nearer to
+  /// the air, where the heat that the wire loses says nothing.
+  static constexpr S path_step_K = S(1);
+  static constexpr int longest_path = 60;
+  static constexpr S nearest_to_air_K = S(5);
+  /// When walkers have become leaders this often within a few seconds, and the last one strays,
+  /// too, the air is not to blame: the phases are wrong, and the search starts again.
+  static constexpr S most_moves = S(3.2);
+  static constexpr S moves_fade_s = S(5);
+
+  static bool has_bit(std::uint8_t bits, std::size_t i) { return (bits >> i & 1U) != 0; }
+  static void set_bit(std::uint8_t& bits, std::size_t i, bool value) {
+    const unsigned others = bits & ~(1U << i);
+    bits = static_cast<std::uint8_t>(value ? others | 1U << i : others);
   }
+  static bool is_alive(const State& s, std::size_t i) { return has_bit(s.alive, i); }
+  static void drop(State& s, std::size_t i) { set_bit(s.alive, i, false); }
 
   static Estimate<S> estimate(const State& s);
   static Estimate<S> estimate_one(const Params& p, const State& s, std::size_t i);
@@ -143,8 +173,14 @@ struct MultipleModelFilter {
   static void follow(const Params& p, State& s, std::size_t i, const Measurement<S>& m,
                      const S& dt_s);
   static void choose(State& s);
+  static bool strayed(const Params& p, const State& s);
+  static void set_out(State& s);
+  static void walk(const Params& p, State& s, const Measurement<S>& m);
+  static bool has_arrived(const State& s, const S& before_ohm);
+  static void end_path(const Params& p, State& s);
   static void merge(State& s, std::size_t i);
-  static bool agree(const typename Filter::State& a, const typename Filter::State& b);
+  static bool agree(const typename Filter::State& a, const typename Filter::State& b,
+                    bool also_the_loss);
 
   /// The temperatures at which heating and cooling begin to transform, and their mean.
   struct Loop {
@@ -175,15 +211,29 @@ void MultipleModelFilter<S>::advance(const Params& p, State& s, const Measuremen
     s.compared = true;
     begin_search(s, hypotheses - 1, other_starts);
   }
-  if (searching(s)) {
+  if (searching(s) && !s.air_moved) {
     search(p, s, m, dt_s);
     return;
   }
-  follow(p, s, s.leader, m, dt_s);
-  s.doubt_s = Filter::contradicted(s.filter[s.leader]) ? s.doubt_s + dt_s : S(0);
-  if (S(1) < s.doubt_s && m.resistance_valid) {
-    begin_search(s, hypotheses, S(0));
+  if (searching(s)) {
+    search(p, s, m, dt_s);
+  } else {
+    const Heading heading = likeliest(s).kinetics.heading;
+    follow(p, s, s.leader, m, dt_s);
+    if (!m.resistance_valid) {
+      s.paths = 0;  // by the next valid reading the wire may be elsewhere
+    } else if (s.paths > 0 && likeliest(s).kinetics.heading == heading) {
+      walk(p, s, m);
+    }
   }
+  s.doubt_s = Filter::contradicted(likeliest(s)) ? s.doubt_s + dt_s : S(0);
+  if (m.resistance_valid && S(1) < s.doubt_s) {
+    s.alive = static_cast<std::uint8_t>(1U << s.leader);
+    begin_search(s, hypotheses, S(0));
+  } else if (m.resistance_valid && s.paths == 0 && strayed(p, s)) {
+    set_out(s);
+  }
+  s.moves -= dt_s / moves_fade_s * s.moves;
 }
 
 /// Keeps the present leader until all hypotheses are open; if `to_open` is all of them, its own
@@ -198,6 +248,98 @@ void MultipleModelFilter<S>::begin_search(State& s, std::size_t to_open, const S
   s.max_r_phase = S(0);
   s.others_start = others_start;
   s.doubt_s = S(0);
+  s.air_moved = false;
+  s.paths = 0;
+}
+
+/// A leader that has not seen the wire at rest may have a wrong factor on the resistance.
+template <class S>
+bool MultipleModelFilter<S>::strayed(const Params& p, const State& s) {
+  return Filter::strayed(p, likeliest(s), has_bit(s.seen_rest, s.leader) ? S(1) : unseen_rest_bias);
+}
+
+/// The leader alone goes on while two walkers look for the resistance, one after the other. What
+/// still competed with it is given up: the likeliest of all contradicts the resistance.
+template <class S>
+void MultipleModelFilter<S>::set_out(State& s) {
+  s.alive = static_cast<std::uint8_t>(1U << s.leader);
+  if (s.air_moved && s.leader != s.origin) {
+    s.moves += S(1);
+    if (most_moves < s.moves) {
+      s.moves = S(0);
+      begin_search(s, hypotheses, S(0));
+      return;
+    }
+  }
+  s.origin = s.leader;
+  s.air_moved = true;
+  s.paths = 2;
+  s.places = 0;
+  s.arrived = 0;
+}
+
+/// The first path leads to the cold, the second one to the heat. Its first call only copies the
+/// leader.
+template <class S>
+void MultipleModelFilter<S>::walk(const Params& p, State& s, const Measurement<S>& m) {
+  const bool cools = s.paths == 2;
+  const std::size_t walker = (s.leader + s.paths) % hypotheses;
+  typename Filter::State& f = s.filter[walker];
+  if (s.places == 0) {
+    f = likeliest(s);
+    s.first_missing_ohm = s.missing_ohm = f.bias * f.model_ohm;
+    ++s.places;
+    return;
+  }
+  for (int i = 0; i < places_in_call; ++i) {
+    const S T = f.kinetics.drive.temperature_K + (cools ? -path_step_K : path_step_K);
+    if (s.places > longest_path || T < f.ambient_K + nearest_to_air_K || p.tuning.hottest_K < T) {
+      end_path(p, s);
+      return;
+    }
+    Filter::lead(p, f, T);
+    ++s.places;
+    const S before_ohm = s.missing_ohm;
+    s.missing_ohm = m.resistance_ohm - Filter::expected(p, f).ohm;
+    if (has_arrived(s, before_ohm)) {
+      Filter::go_on(p, f, m.power_W, cools ? Heading::cooling : Heading::heating);
+      set_bit(s.arrived, walker, true);
+      end_path(p, s);
+      return;
+    }
+  }
+}
+
+/// Where nothing is missing any more; or where more begins to be missing again, after half of it
+/// was found.
+template <class S>
+bool MultipleModelFilter<S>::has_arrived(const State& s, const S& before_ohm) {
+  const S sign = s.first_missing_ohm < S(0) ? S(-1) : S(1);
+  const S now = sign * s.missing_ohm;
+  const S before = sign * before_ohm;
+  return now < S(0) || (before < now && before < S(0.5) * sign * s.first_missing_ohm);
+}
+
+/// After the last path the hypotheses that have arrived compete with the leader.
+template <class S>
+void MultipleModelFilter<S>::end_path(const Params& p, State& s) {
+  s.places = 0;
+  if (--s.paths > 0) {
+    return;
+  }
+  s.filter[s.leader].bias = S(0);
+  s.alive = static_cast<std::uint8_t>(s.alive | s.arrived);
+  for (std::size_t i = 0; i < hypotheses; ++i) {
+    if (!is_alive(s, i)) {
+      continue;
+    }
+    s.log_likelihood[i] = s.log_weight[i] = S(0);
+    s.missed[i] = {S(0), S(0)};
+    if (i != s.leader) {
+      set_bit(s.seen_rest, i, has_bit(s.seen_rest, s.leader));
+      s.last[i] = estimate_one(p, s, i);
+    }
+  }
 }
 
 /// A step of the leader, then a part of the opening or a step of the filter whose turn it is. A
@@ -291,7 +433,8 @@ void MultipleModelFilter<S>::open(const Params& p, State& s, std::size_t i,
   } else {
     place(p, s, i, m);
   }
-  s.alive = static_cast<std::uint8_t>(s.alive | 1U << i);
+  set_bit(s.alive, i, true);
+  set_bit(s.seen_rest, i, i == 0);
   s.last[i] = estimate_one(p, s, i);
   s.missed[i] = {S(0), S(0)};
   s.log_likelihood[i] = i == 0 ? S(0) : s.others_start;
@@ -372,7 +515,7 @@ void MultipleModelFilter<S>::follow(const Params& p, State& s, std::size_t i,
   // error as white noise, so that term alone would decide, for the most confident filter.
   if (m.resistance_valid && searching(s)) {
     s.log_likelihood[i] -= S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
-    s.log_weight[i] = s.log_likelihood[i] + log_prior(f);
+    s.log_weight[i] = s.log_likelihood[i] + (s.air_moved ? S(0) : log_prior(f));
   }
   s.last[i] = estimate_one(p, s, i);
 }
@@ -408,28 +551,29 @@ void MultipleModelFilter<S>::choose(State& s) {
 template <class S>
 void MultipleModelFilter<S>::merge(State& s, std::size_t i) {
   for (std::size_t j = 0; j < hypotheses && is_alive(s, i); ++j) {
-    if (j != i && is_alive(s, j) && agree(s.filter[i], s.filter[j])) {
+    if (j != i && is_alive(s, j) && agree(s.filter[i], s.filter[j], s.air_moved)) {
       drop(s, j == s.leader || s.log_weight[i] < s.log_weight[j] ? i : j);
     }
   }
 }
 
 template <class S>
-bool MultipleModelFilter<S>::agree(const typename Filter::State& a,
-                                   const typename Filter::State& b) {
+bool MultipleModelFilter<S>::agree(const typename Filter::State& a, const typename Filter::State& b,
+                                   bool also_the_loss) {
   const auto near = [](const S& x, const S& y, const S& limit) {
     return x - y < limit && y - x < limit;
   };
   return near(a.kinetics.martensite, b.kinetics.martensite, S(0.08)) &&
          near(a.kinetics.r_phase, b.kinetics.r_phase, S(0.08)) &&
-         near(a.kinetics.drive.temperature_K, b.kinetics.drive.temperature_K, S(4));
+         near(a.kinetics.drive.temperature_K, b.kinetics.drive.temperature_K, S(4)) &&
+         (!also_the_loss || near(a.loss, b.loss, S(0.2)));
 }
 
 template <class S>
 Estimate<S> MultipleModelFilter<S>::estimate_one(const Params& p, const State& s, std::size_t i) {
   using std::sqrt;
   Estimate<S> e = Filter::estimate(p, s.filter[i]);
-  if (i != 0) {
+  if (!has_bit(s.seen_rest, i)) {
     e.strain_sd = sqrt(e.strain_sd * e.strain_sd + unseen_rest_sd * unseen_rest_sd);
   }
   return e;

@@ -59,6 +59,10 @@ const std::vector<EvaluationRow>& evaluation_rows() {
       {.name = "hold",
        .meaning = "held for 20 s, the power ripples by 50 % at 2 Hz",
        .conditions = {hold_ripple}},
+      {.name = "gust",
+       .meaning = "held, then the air cools 0.5 to 3 times as much for 10 s",
+       .conditions = {gust},
+       .p95 = 3},
       {.name = "coarse", .meaning = "constant load, 12 bits, 100 Hz", .conditions = {coarse}}};
   return rows;
 }

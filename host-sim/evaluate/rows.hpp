@@ -30,7 +30,8 @@ struct EvaluationRow {
   double maximum = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// "standard", "disturbed", "light", "uncalibrated", "unknown-start", "hold", "coarse".
+/// "standard", "disturbed", "light", "uncalibrated", "unknown-start", "hold",
+/// "gust", "coarse".
 const std::vector<EvaluationRow>& evaluation_rows();
 
 /// The data that identify a run: test_run(random_unit(family, unit), ...) repeats it.

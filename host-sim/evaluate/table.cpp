@@ -62,7 +62,7 @@ files::TextTable errors(const ObserverEvaluation& observer) {
                                                {"target", "{}"}});
   for (const RowResult& result : observer.rows) {
     const Figures f = row_figures(observer, result);
-    std::string targets = target(f[0]);
+    std::string targets = !f[0].has_target() && f[1].has_target() ? "–" : target(f[0]);
     for (const std::size_t i : {1U, 2U}) {
       targets += f[i].has_target() ? " / " + target(f[i]) : "";
     }

@@ -22,6 +22,7 @@ std::vector<RunKey> make_run_keys() {
   tune("observer.loss_walk", kind::count, &Tuning::loss_walk);
   tune("observer.resistance_walk", kind::count, &Tuning::resistance_walk);
   tune("observer.resistance_model_sd", kind::count, &Tuning::resistance_model_sd);
+  tune("observer.resistance_bias", kind::count, &Tuning::resistance_bias);
   tune("observer.stress_filter", kind::time, &Tuning::stress_filter_s);
   tune("observer.start_temperature_sd", kind::temperature_difference,
        &Tuning::start_temperature_sd_K);

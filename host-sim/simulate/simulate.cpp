@@ -15,6 +15,7 @@ namespace smaservo::simulate {
 namespace {
 
 constexpr double step_s = 1e-3;
+constexpr double gust_s = 0.1;  ///< time constant with which the air comes to move
 
 std::unique_ptr<hal::SimulatedWire> make_wire(const bench::Scenario& scenario,
                                               std::mt19937_64& random) {
@@ -38,6 +39,7 @@ void run_joule(const bench::Scenario& scenario, const bench::JouleScenario& joul
   }();
   const long every = std::lround(1 / (joule.rate_Hz * step_s));
   long tick = 0;
+  double draught = 1;
   for (const bench::DriveStep& step : joule.drive) {
     const double level_W = step.level * body.loss_W(hottest_K - room_K);
     const long begin = tick;
@@ -55,7 +57,9 @@ void run_joule(const bench::Scenario& scenario, const bench::JouleScenario& joul
       if (tick % every == 0 && time_s >= joule.record_from_s) {
         sink({time_s - joule.record_from_s, read.current_A, read.voltage_V, read.load_N, strain});
       }
-      plant->advance(current_A, {load.stress_Pa(), joule.ambient_K, joule.draught}, step_s);
+      draught += step_s / gust_s * (step.draught - draught);
+      plant->advance(current_A, {load.stress_Pa(), joule.ambient_K, joule.draught * draught},
+                     step_s);
     }
   }
 }

@@ -10,15 +10,14 @@ namespace smaservo::benchmarks {
 template <class To>
 KalmanTuning<To> convert(const KalmanTuning<double>& from) {
   const auto to = [](double value) { return scalar<To>(value); };
-  return {to(from.heat_error),        to(from.fraction_noise),
-          to(from.ambient_walk_K),    to(from.loss_walk),
-          to(from.resistance_walk),   to(from.resistance_model_sd),
-          to(from.stress_filter_s),   to(from.start_temperature_sd_K),
-          to(from.start_fraction_sd), to(from.start_ambient_sd_K),
-          to(from.start_loss_sd),     to(from.start_resistance_sd),
-          to(from.ambient_range_K),   to(from.loss_range),
-          to(from.resistance_range),  to(from.hottest_K),
-          to(from.reported),          to(from.strain_model_sd)};
+  return {
+      to(from.heat_error),          to(from.fraction_noise),     to(from.ambient_walk_K),
+      to(from.loss_walk),           to(from.resistance_walk),    to(from.resistance_model_sd),
+      to(from.resistance_bias),     to(from.stress_filter_s),    to(from.start_temperature_sd_K),
+      to(from.start_fraction_sd),   to(from.start_ambient_sd_K), to(from.start_loss_sd),
+      to(from.start_resistance_sd), to(from.ambient_range_K),    to(from.loss_range),
+      to(from.resistance_range),    to(from.hottest_K),          to(from.reported),
+      to(from.strain_model_sd)};
 }
 
 template <class To>

@@ -275,6 +275,9 @@ int pieces_beside_the_leader(const MultipleModel::State& before,
     pieces += before.places == after.places ? 0 : 1;
     pieces += before.rest_slope_known == after.rest_slope_known ? 0 : 1;
   }
+  if (before.paths > 0 && before.paths == after.paths && before.places > 0) {
+    pieces += (after.places - before.places + 3) / 4;
+  }
   return pieces;
 }
 
@@ -290,7 +293,7 @@ bool leader_turned(const MultipleModel::State& before, const MultipleModel::Stat
 /// or does a part of what an opening needs, which all cost about the same; it does nothing beside a
 /// step of the leader that is expensive.
 TEST(MultipleModel, ACallDoesOnePieceOfWorkBesideTheLeaders) {
-  int searches = 0, together = 0, turns = 0;
+  int searches = 0, together = 0, turns = 0, walks = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     through_searches(seed,
                      [&](const MultipleModel::State& before, const MultipleModel::State& after) {
@@ -299,16 +302,19 @@ TEST(MultipleModel, ACallDoesOnePieceOfWorkBesideTheLeaders) {
                        ASSERT_LE(pieces_beside_the_leader(before, after), turned ? 0 : 1);
                        searches += before.unopened == 0 && after.unopened > 0 ? 1 : 0;
                        turns += turned && MultipleModel::alive(before) > 1 ? 1 : 0;
+                       walks += before.paths == 0 && after.paths > 0 ? 1 : 0;
                        together = std::max(together, MultipleModel::alive(after));
                      });
   }
   EXPECT_GE(searches, 10);
   EXPECT_GE(turns, 3);
+  EXPECT_GE(walks, 10);
   EXPECT_EQ(together, static_cast<int>(MultipleModel::hypotheses));
 }
 
-/// Each of the 5 other hypotheses makes a step in every fifth call, or a few calls later if a
-/// search opens or the leader turns meanwhile. That step covers the whole time since its last one.
+/// Each of the 5 other hypotheses makes a step in every fifth call, or some calls later if a search
+/// opens or the leader turns meanwhile; on a wire that none of them can believe the leader may
+/// swing to and fro for 30 calls. That step covers the whole time since its last one.
 TEST(MultipleModel, NoHypothesisWaitsLong) {
   int opening = 0, longest_opening = 0;
   double longest_s = 0;
@@ -330,7 +336,7 @@ TEST(MultipleModel, NoHypothesisWaitsLong) {
                      });
   }
   EXPECT_LE(longest_opening, 14);
-  EXPECT_LE(longest_s, 16e-3);
+  EXPECT_LE(longest_s, 32e-3);
 }
 
 /// Neither the state of a filter before a search nor what a filter that was given up has left
@@ -345,7 +351,9 @@ TEST(MultipleModel, WhatIsGivenUpHasNoInfluence) {
     MultipleModel::State spoilt = s;
     for (int i = 0; i < 3000; ++i) {
       for (std::size_t k = 0; k < MultipleModel::hypotheses; ++k) {
-        if ((spoilt.alive >> k & 1) == 0) {
+        const std::size_t from_leader = (k + MultipleModel::hypotheses - spoilt.leader) % 6;
+        const bool walker = spoilt.paths > 0 && (from_leader == 1 || from_leader == 2);
+        if ((spoilt.alive >> k & 1) == 0 && !walker) {
           std::memset(static_cast<void*>(&spoilt.filter[k]), 0xff,
                       sizeof spoilt.filter[k]);  // not a number
           spoilt.log_weight[k] = spoilt.log_likelihood[k] = std::nan("");
@@ -382,6 +390,99 @@ TEST(MultipleModel, GoesOnAsBeforeWhileASearchOpens) {
                      });
   }
   EXPECT_GE(openings, 10);
+}
+
+/// How the filter follows a wire that is held halfway while the air moves, or is shut off, for 8 s.
+struct Gust {
+  double late = 0;      ///< greatest error of the gust's last second, share of the stroke
+  double untold_s = 0;  ///< time with an error above 3 % that neither health nor deviation tells
+};
+
+/// A full cycle, then a constant power; the loss is this many times as large from 16 to 24 s.
+template <class HeldWire>
+Gust gust(double loss, double stress_Pa, std::uint64_t seed) {
+  const MultipleModel::Params p = tuned();
+  std::mt19937_64 random(seed);
+  HeldWire wire(random_deviations(random), stress_Pa, seed);
+  const double full_W = holding_W(hot_K(stress_Pa));
+  const double hold_W = std::uniform_real_distribution<double>(0.62, 0.74)(random) * full_W;
+  MultipleModel::State s = MultipleModel::start(p, wire.step(1e-3), told_ambient_K);
+  Gust result;
+  for (int i = 0; i < 34000; ++i) {
+    if (i == 16000 || i == 24000) {
+      wire.move_air(i == 16000 ? loss : 1 / loss);
+    }
+    const double power_W = i < 4000 ? full_W : i < 8000 ? 1e-3 : hold_W;
+    MultipleModel::advance(p, s, wire.step(power_W), sample_s);
+    const Estimate<double> e = MultipleModel::estimate(p, s);
+    const double error = std::abs(e.strain - wire.strain()) / 0.04;
+    const bool told = e.health != Health::good || error < 2 * e.strain_sd / 0.04;
+    // For half a second after each change nobody can know.
+    if (i >= 16000 && (i - 16000) % 8000 >= 500 && error > 0.03 && !told) {
+      result.untold_s += sample_s;
+    }
+    if (i >= 23000 && i < 24000) {
+      result.late = std::max(result.late, error);
+    }
+  }
+  return result;
+}
+
+/// Without walkers the median error was 2 to 5 % of the
+/// stroke, the worst 12 %, and 10 to 16 of 16 were not told.
+template <class HeldWire>
+void expect_followed_through_gusts() {
+  for (const double loss : {0.5, 2.0, 3.0}) {
+    std::vector<double> late;
+    int untold = 0;
+    for (const double stress_Pa : {100e6, 250e6}) {
+      for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        const Gust one = gust<HeldWire>(loss, stress_Pa, seed);
+        late.push_back(one.late);
+        untold += one.untold_s > 0.5 ? 1 : 0;
+      }
+    }
+    EXPECT_LE(quantile(late, 0.5), 0.015) << loss;
+    EXPECT_LE(quantile(late, 0.9), 0.03) << loss;
+    EXPECT_LE(quantile(late, 1), 0.08) << loss;
+    EXPECT_LE(untold, 2) << loss << ": of 16";
+  }
+}
+
+TEST(MultipleModel, FollowsAHeldWireThroughMovingAir) {
+  expect_followed_through_gusts<LumpedWire>();
+}
+
+TEST(MultipleModel, AWalkThatReadingsInterruptBeginsAnew) {
+  const MultipleModel::Params p = tuned();
+  int interrupted = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    LumpedWire wire({}, 150e6, seed);
+    const double full_W = holding_W(hot_K(150e6));
+    MultipleModel::State s = MultipleModel::start(p, wire.step(1e-3), told_ambient_K);
+    int blind_until = 0;
+    double error = 0;
+    for (int i = 0; i < 24000; ++i) {
+      if (i == 14000) {
+        wire.move_air(2.5);
+      }
+      Measurement<double> m = wire.step(i < 4000 ? full_W : i < 8000 ? 1e-3 : 0.68 * full_W);
+      m.resistance_valid = i >= blind_until;
+      MultipleModel::advance(p, s, m, sample_s);
+      if (s.paths > 0 && blind_until == 0) {
+        blind_until = i + 1000;
+        ++interrupted;
+      }
+      ASSERT_TRUE(m.resistance_valid || s.paths == 0 || i + 1000 == blind_until) << i;
+      error = std::abs(MultipleModel::estimate(p, s).strain - wire.strain()) / 0.04;
+    }
+    EXPECT_LE(error, 0.03) << seed;
+  }
+  EXPECT_EQ(interrupted, 6);
+}
+
+TEST(MultipleModel, FollowsAHeldWireWithColdEndsThroughMovingAir) {
+  expect_followed_through_gusts<DistributedWire>();
 }
 
 template <class S>

@@ -109,6 +109,12 @@ class LumpedWire {
   }
   double strain() const { return Model::strain(params_, state_); }
 
+  /// The heat loss becomes this many times what it is now.
+  void move_air(double factor) {
+    params_.body.loss_W_K *= factor;
+    params_.body.loss_W_K2 *= factor;
+  }
+
  private:
   Sensors sensors_;
   Model::Params params_;
@@ -152,6 +158,9 @@ class DistributedWire {
     return sensors_.read(Model::resistance_ohm(params_, state_), power_W, around_.stress_Pa);
   }
   double strain() const { return Model::strain(params_, state_); }
+
+  /// The convection becomes this many times what it is now.
+  void move_air(double factor) { draught_ *= factor; }
 
  private:
   Sensors sensors_;

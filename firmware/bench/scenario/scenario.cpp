@@ -50,6 +50,9 @@ DriveStep read_level(files::TomlTable& table) {
     step.ripple = table.number("ripple", 0, 1);
     step.ripple_Hz = table.number("ripple_Hz", 0.01, 100);
   }
+  if (table.has("draught")) {
+    step.draught = table.number("draught", 0.1, 10);
+  }
   return step;
 }
 

@@ -21,6 +21,7 @@ struct DriveStep {
   double seconds;
   double ripple = 0;  ///< amplitude of a sine on the power, as a share of it, 0..1
   double ripple_Hz = 0;
+  double draught = 1;  ///< factor on the convection, reached with a time constant of 0.1 s
 };
 
 /// A wire heated by a current, measured electrically.

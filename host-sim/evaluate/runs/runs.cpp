@@ -100,6 +100,7 @@ hal::Load random_load(Condition condition, bench::Dice& dice) {
     case Condition::unknown_start:
       return constant(50, 400, dice);
     case Condition::hold_ripple:
+    case Condition::gust:
       return dice.coin() ? spring(dice) : constant(100, 400, dice);
     case Condition::constant:
     case Condition::coarse:
@@ -117,6 +118,15 @@ Steps random_drive(Condition condition, bench::Dice& dice) {
     drive.push_back({hold, 20, 0.5, 2});
     drive.push_back({0, 4});
     random_steps(drive, 10, dice);
+    return drive;
+  }
+  if (condition == Condition::gust) {
+    const double hold = dice.uniform(0.6, 0.75);
+    const double draught = std::exp(dice.uniform(std::log(0.5), std::log(3)));
+    drive.push_back({hold, 8});
+    drive.push_back({.level = hold, .seconds = 10, .draught = draught});
+    drive.push_back({hold, 10});
+    drive.push_back({0, 4});
     return drive;
   }
   const double each_s = 1e-3 * std::round(dice.uniform(1000, 1500));
@@ -162,6 +172,8 @@ std::string_view condition_name(Condition condition) {
       return "unknown-start";
     case Condition::hold_ripple:
       return "hold-ripple";
+    case Condition::gust:
+      return "gust";
     case Condition::coarse:
       break;
   }

@@ -28,11 +28,13 @@ enum class Condition : unsigned char {
   unknown_start,  ///< recorded from the middle of a motion on, 50..400 MPa
   /// Held in mid-transformation for 20 s, power +-50 % at 2 Hz; weight or spring.
   hold_ripple,
+  /// Held in mid-transformation; for 10 s the air cools 0.5 to 3 times as much. Weight or spring.
+  gust,
   coarse  ///< constant load, measured by converters of 12 bits at 100 Hz
 };
 inline constexpr std::array all_conditions{
     Condition::constant,      Condition::spring,      Condition::varying, Condition::light,
-    Condition::unknown_start, Condition::hold_ripple, Condition::coarse};
+    Condition::unknown_start, Condition::hold_ripple, Condition::gust,    Condition::coarse};
 std::string_view condition_name(Condition condition);
 
 /// 40 to 60 s, at 1 kHz and with 16 bits unless the condition gives other values. The load cell has

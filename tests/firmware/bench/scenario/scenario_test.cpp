@@ -165,6 +165,13 @@ TEST(Scenario, ALevelMayRipple) {
   EXPECT_EQ(drive.back().ripple, 0);
 }
 
+TEST(Scenario, ALevelMayHaveADraught) {
+  const bench::Scenario scenario = load(with("for_s = 2", "for_s = 2\ndraught = 2.5"));
+  const auto& drive = std::get<bench::JouleScenario>(scenario.run).drive;
+  EXPECT_EQ(drive.front().draught, 2.5);
+  EXPECT_EQ(drive.back().draught, 1);
+}
+
 struct Mistake {
   const char* line;
   const char* other;
@@ -202,6 +209,7 @@ TEST(Scenario, MistakesAreNamedWithLineKeyValueAndRange) {
       {"seed = 1", "seed = 1\nfamily = \"cosine\"",
        "s.toml:4: family = 'cosine': must be one of: ihyp, sublayers"},
       {"for_s = 2\n", "for_s = 2\nripple = 0.5\n", "joule.drive.ripple_Hz: is missing"},
+      {"for_s = 2\n", "for_s = 2\ndraught = 0\n", "joule.drive.draught = 0: "},
       {"seed = 1", "seed = = 1", "s.toml:3:8: "},
   };
   for (const Mistake& mistake : mistakes) {

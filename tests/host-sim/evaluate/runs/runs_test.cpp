@@ -157,6 +157,29 @@ TEST(TestRuns, RippleHoldsTheWireInMidTransformation) {
   }
 }
 
+TEST(TestRuns, AGustMovesAHeldWire) {
+  double least = 1, most = 1;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    const bench::WireUnit unit =
+        bench::random_unit(seed % 2 == 0 ? hal::Family::ihyp : hal::Family::sublayers, seed);
+    const bench::Scenario made = evaluate::test_run(unit, evaluate::Condition::gust, seed);
+    const auto& drive = std::get<bench::JouleScenario>(made.run).drive;
+    const auto gust =
+        std::ranges::find_if(drive, [](const bench::DriveStep& step) { return step.draught != 1; });
+    ASSERT_NE(gust, drive.end());
+    EXPECT_EQ(gust->level, std::prev(gust)->level);
+    EXPECT_EQ(gust->level, std::next(gust)->level);
+    least = std::min(least, gust->draught);
+    most = std::max(most, gust->draught);
+    // It begins at 18 s and ends at 28 s. A wire that is cooled more is longer.
+    const std::vector<simulate::SimulatedRow> run = rows(made);
+    EXPECT_NEAR(run[17900].strain, run[16900].strain, 2e-4) << seed << ": held";
+    EXPECT_EQ(run[27900].strain > run[17900].strain, gust->draught > 1) << seed;
+  }
+  EXPECT_TRUE(least >= 0.5 && least < 0.8) << least;
+  EXPECT_TRUE(most <= 3 && most > 2) << most;
+}
+
 TEST(CalibrationRuns, CoverTheStressesForAMinuteFromRestAt25DegC) {
   for (const hal::Family family : hal::families) {
     const bench::WireUnit unit = bench::random_unit(family, 5);
