@@ -132,36 +132,48 @@ RecorderWatch::RecorderWatch(Remote& remote, const RecordingPlan& plan, double p
     : remote_(remote),
       patience_s_(patience_s),
       until_us_(remote.bus().now_us() + static_cast<std::int64_t>(patience_s * 1e6)),
-      after_us_(static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6)),
-      // The recording is complete with this many rows, even if the memory has room for more. A loop
-      // that misses cycles takes longer to collect them.
-      rows_(std::ceil(plan.seconds / period_of(remote))) {}
+      after_us_(static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6)) {
+  const double period_s = period_of(remote);
+  // The recording is complete with this many rows, even if the memory has room for more. A loop
+  // that misses cycles takes longer to collect them.
+  rows_ = std::ceil(plan.seconds / period_s);
+  rows_before_ = rows_within(plan.before_s, period_s);
+}
 
-bool RecorderWatch::is_complete() {
+RecorderStage RecorderWatch::look() {
   const std::int64_t longest_us = 10 * after_us_ + 5'000'000;
   const RecorderState state = state_of(remote_);
   const std::int64_t now_us = remote_.bus().now_us();
   if (state == RecorderState::full || state == RecorderState::idle) {
-    return true;
+    return RecorderStage::complete;
   }
   if (state == RecorderState::triggered && triggered_us_ == 0) {
     triggered_us_ = now_us;
   }
   if (triggered_us_ != 0) {
-    return now_us >= triggered_us_ + after_us_ &&
-           (remote_.number("recorder.samples") >= rows_ || now_us >= triggered_us_ + longest_us);
+    const bool is_complete =
+        now_us >= triggered_us_ + after_us_ &&
+        (remote_.number("recorder.samples") >= rows_ || now_us >= triggered_us_ + longest_us);
+    return is_complete ? RecorderStage::complete : RecorderStage::recording;
   }
   if (now_us >= until_us_) {
     set(remote_, "recorder.command", 0);
     throw files::UserError(fmt::format("not triggered within {} s", patience_s_));
   }
-  return false;
+  can_trigger_ = can_trigger_ || remote_.number("recorder.samples") >= rows_before_;
+  return can_trigger_ ? RecorderStage::waiting : RecorderStage::filling;
 }
 
-void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s) {
+void wait_for_recorder(Remote& remote, const RecordingPlan& plan, double patience_s,
+                       const std::function<void()>& waits) {
   Bus& bus = remote.bus();
   RecorderWatch watch(remote, plan, patience_s);
-  while (!watch.is_complete()) {
+  bool has_waited = false;
+  for (RecorderStage stage = watch.look(); stage != RecorderStage::complete; stage = watch.look()) {
+    if (stage == RecorderStage::waiting && !has_waited) {
+      has_waited = true;
+      waits();
+    }
     const std::int64_t next_us = bus.now_us() + poll_us;
     hal::CanFrame passing;
     while (bus.receive(passing, next_us)) {

@@ -11,10 +11,15 @@
 namespace smaservo::can {
 namespace {
 
-void record(Remote& remote, const can::RecordingPlan& plan, const std::string& out,
-            double patience_s) {
+void record(const Common& common, Remote& remote, const can::RecordingPlan& plan,
+            const std::string& out, double patience_s) {
   can::arm_recorder(remote, plan);
-  can::wait_for_recorder(remote, plan, patience_s);
+  const auto waits = [&] {
+    if (!plan.trigger.empty()) {
+      say(common, [&] { return fmt::format("waiting for {}", files::printable(plan.trigger)); });
+    }
+  };
+  can::wait_for_recorder(remote, plan, patience_s, waits);
   hal::TraceFile file(
       out,
       {"host-sim can record", fmt::format("node {} on {}", remote.node(), remote.bus().name())},
@@ -66,7 +71,7 @@ void add_watch_commands(CLI::App& can, const std::shared_ptr<Common>& common) {
   CLI::App* record_command =
       add(can, "record", "Records signals at the rate of the loop into a CSV or MCAP file.", [=] {
         Session session(*common);
-        record(session.remote(), *record_plan, *out, *patience_s);
+        record(*common, session.remote(), *record_plan, *out, *patience_s);
       });
   record_command
       ->add_option(

@@ -335,7 +335,11 @@ bool Bridge::read_recording() {
       operations_.servo(running.recording.node());
       if (gone) {
         running.recording.stop();
-      } else if (!running.recording.is_complete()) {
+      } else if (const can::RecorderStage before = running.recording.stage();
+                 running.recording.look() != can::RecorderStage::complete) {
+        if (running.recording.stage() != before) {
+          published_us_ = 0;
+        }
         continue;
       } else {
         running.reply({true, json_text({{"recording", recordings_.kept(running.recording.read(),

@@ -28,6 +28,20 @@ constexpr std::int64_t linger_us = 60'000'000;
 /// A message about trouble with the bus is shown for at least this time.
 constexpr std::int64_t shortest_trouble_us = 1'000'000;
 
+const char* stage_name(can::RecorderStage stage) {
+  switch (stage) {
+    case can::RecorderStage::filling:
+      return "filling";
+    case can::RecorderStage::waiting:
+      return "waiting";
+    case can::RecorderStage::recording:
+      return "recording";
+    case can::RecorderStage::complete:
+      return "complete";
+  }
+  return "";
+}
+
 }  // namespace
 
 // Channels.
@@ -269,6 +283,12 @@ std::string Bridge::bridge_text(std::int64_t now_us) {
                            {"node", activity_->node},
                            {"client", activity_->client},
                            {"progress", std::round(100 * progress) / 100}};
+  }
+  message["recordings"] = json::array();
+  for (const Recorded& running : recorded_) {
+    message["recordings"].push_back({{"node", running.recording.node()},
+                                     {"client", running.client},
+                                     {"stage", stage_name(running.recording.stage())}});
   }
   return json_text(message);
 }

@@ -364,4 +364,10 @@ RunningRecording::RunningRecording(can::Remote remote, can::RecordingPlan plan, 
   watch_.emplace(remote_, plan_, patience_s);
 }
 
+can::RecorderStage RunningRecording::look() {
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): watch_ is set by the constructor
+  stage_ = watch_->look();
+  return stage_;
+}
+
 }  // namespace smaservo::page

@@ -84,9 +84,9 @@ class RunningRecording {
   RunningRecording(const RunningRecording&) = delete;
   RunningRecording& operator=(const RunningRecording&) = delete;
 
-  unsigned node() { return remote_.node(); }
-  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): watch_ is set by the constructor
-  bool is_complete() { return watch_->is_complete(); }
+  unsigned node() const { return remote_.node(); }
+  can::RecorderStage look();
+  can::RecorderStage stage() const { return stage_; }  ///< when it was last looked at
   can::Recording read() { return can::read_recording(remote_, plan_); }
   void stop() { remote_.set("recorder.command", "0"); }
   const can::RecordingPlan& plan() const { return plan_; }
@@ -95,6 +95,7 @@ class RunningRecording {
   can::Remote remote_;
   can::RecordingPlan plan_;
   std::optional<can::RecorderWatch> watch_;
+  can::RecorderStage stage_ = can::RecorderStage::filling;
 };
 
 }  // namespace smaservo::page

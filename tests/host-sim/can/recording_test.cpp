@@ -128,6 +128,29 @@ TEST_F(CanClient, StepsKeepTheirGains) {
                              HasSubstr("peak K"), HasSubstr("contraction, m: * now")));
 }
 
+// A crossing of the level counts only when the rows before the trigger are there: who makes one is
+// told when that is so.
+TEST_F(CanClient, ARecorderSaysWhenItWaitsForItsTrigger) {
+  const RecordingPlan plan{{"strain"}, 0.5, 0.2, "wire_temperature_K>2000"};
+  arm_recorder(remote, plan);
+  RecorderWatch watch(remote, plan, 60);
+  EXPECT_EQ(watch.look(), RecorderStage::filling);
+  run(0.1);
+  EXPECT_EQ(watch.look(), RecorderStage::filling);
+  run(0.2);
+  EXPECT_EQ(watch.look(), RecorderStage::waiting);
+  remote.set("recorder.command", "2");
+  run(0.1);
+  EXPECT_EQ(watch.look(), RecorderStage::recording);
+  run(0.5);
+  EXPECT_EQ(watch.look(), RecorderStage::complete);
+
+  const RecordingPlan at_once{{"strain"}, 0.1, 0, ""};
+  arm_recorder(remote, at_once);
+  run(0.02);
+  EXPECT_EQ(RecorderWatch(remote, at_once, 60).look(), RecorderStage::recording);
+}
+
 // A recording is the same by both spellings of its signals.
 TEST_F(CanClient, RecordsBySignalsAndByLiveValues) {
   const RecordingPlan plan{

@@ -128,6 +128,7 @@ const bridge = {
   control: null,
   clients: [],
   activity: null,
+  recordings: [],
   trouble: '',
 };
 const topics = ['/bridge', '/node1/live', '/node1/state'];

@@ -50,12 +50,15 @@ std::string bridge_schema() {
                                        {"node", typed("integer")},
                                        {"client", typed("integer")},
                                        {"progress", typed("number")}});
+  const json recording = object_schema(
+      {{"node", typed("integer")}, {"client", typed("integer")}, {"stage", typed("string")}});
   return json_text(object_schema({{"bus", typed("string")},
                                   {"read_only", typed("boolean")},
                                   {"nodes", list_of(node)},
                                   {"control", typed("integer")},
                                   {"clients", list_of(client)},
                                   {"activity", activity},
+                                  {"recordings", list_of(recording)},
                                   {"trouble", typed("string")}}));
 }
 

@@ -97,6 +97,7 @@ function usual() {
       control: null,
       clients: [{ client: 7, address: '127.0.0.1', queued: 0, dropped: 0, read_only: false }],
       activity: null,
+      recordings: [],
       trouble: '',
     },
     state: {

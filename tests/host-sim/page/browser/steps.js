@@ -1,7 +1,7 @@
 // The step test and the recorder.
 'use strict';
 
-const { by, coloured, download, shown, succeeds, text, until } = require('./world.js');
+const { by, coloured, download, succeeds, text, until } = require('./world.js');
 const { connected, move, tab } = require('./person.js');
 const assert = require('node:assert/strict');
 const { execFileSync } = require('node:child_process');
@@ -59,13 +59,13 @@ module.exports = {
     await tab(view, 'step');
     await by(view, 'trigger').selectOption('position_m');
     await by(view, 'trigger-value').fill('500');
-    await by(view, 'record-before').fill('0.2');
-    await by(view, 'record-seconds').fill('1');
+    await by(view, 'record-before').fill('1');
+    await by(view, 'record-seconds').fill('2');
     await by(view, 'record').click();
     await text(view, 'record', /Waiting for the trigger/);
     await move(view, 1000);
     await tab(view, 'step');
-    await shown(view, 'recorded');
+    await succeeds(view, 'a recording', () => by(view, 'recorded').isVisible());
     await until('the recording', async () => (await coloured(view, 'plot-record-µm')) > 50);
     const lines = (await download(view, 'save-csv'))
       .toString()
@@ -77,6 +77,6 @@ module.exports = {
     const [time_s, position_m] = [column('time_s'), column('position_m')];
     const first = position_m.findIndex((position) => position > 0.0005);
     assert.ok(first > 0, head.join());
-    assert.ok(Math.abs(time_s[first] - time_s[0] - 0.2) < 0.05, `${time_s[first] - time_s[0]} s before the trigger`);
+    assert.ok(Math.abs(time_s[first] - time_s[0] - 1) < 0.05, `${time_s[first] - time_s[0]} s before the trigger`);
   },
 };

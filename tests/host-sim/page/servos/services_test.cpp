@@ -185,11 +185,19 @@ TEST_F(PageServos, StepsAndRecordsAndExports) {
       2, "record",
       R"({"node":5,"signals":["wire_temperature_K","drive_current_A"],"seconds":0.5,"before_s":0.1,
           "trigger":"wire_temperature_K>310"})");
+  const auto stage = [&] {
+    const json recordings = bench.told.of(1)["recordings"];
+    return recordings.empty() ? "none" : recordings.at(0)["stage"].get<std::string>();
+  };
+  bench.run(0.07);
+  EXPECT_EQ(stage(), "filling");
   bench.run(1);
+  EXPECT_EQ(stage(), "waiting");
   EXPECT_FALSE(recorded->done);
   heat(1);
   bench.run(3);
   ASSERT_TRUE(recorded->ok) << recorded->text;
+  EXPECT_EQ(stage(), "none");
   const json rows = recorded->json()["recording"]["rows"];
   ASSERT_EQ(rows.size(), 500U);
   EXPECT_LT(rows.front()[0].get<double>(), 310);

@@ -63,6 +63,15 @@ function TriggerLevel() {
   );
 }
 
+/** What the button says while a recording runs. A crossing of the level counts from "Waiting" on. */
+function stageText(): string {
+  const stage = bridge.value?.recordings.find((one) => one.node === node.value)?.stage;
+  if (triggerSignal.value === '' || stage === 'recording') {
+    return 'Recording …';
+  }
+  return stage === 'waiting' ? 'Waiting for the trigger …' : 'Arming …';
+}
+
 async function record(): Promise<void> {
   waiting.value = true;
   try {
@@ -151,7 +160,7 @@ export function RecorderCard() {
           disabled={
             link.value !== 'open' || readOnly.value || waiting.value || chosen.value.length === 0 || !!activity
           }>
-          {waiting.value ? (triggerSignal.value === '' ? 'Recording …' : 'Waiting for the trigger …') : 'Record'}
+          {waiting.value ? stageText() : 'Record'}
         </button>
       </div>
       {recording.value && <Recorded {...recording.value} />}
