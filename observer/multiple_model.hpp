@@ -16,8 +16,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "model/scalar/order.hpp"
 #include "observer/kalman.hpp"
+#include "observer/start_hypotheses.hpp"
 
 namespace smaservo {
 
@@ -29,7 +29,7 @@ struct MultipleModelFilter {
   using Filter = KalmanObserver<S>;
   using Params = typename Filter::Params;
 
-  static constexpr std::size_t hypotheses = 6;
+  static constexpr std::size_t hypotheses = StartHypotheses<S>::count;
 
   /// The measurements that a filter has not processed yet.
   struct Missed {
@@ -100,6 +100,8 @@ struct MultipleModelFilter {
   static Estimate<S> estimate(const Params& /*p*/, const State& s) { return estimate(s); }
 
  private:
+  using Starts = StartHypotheses<S>;
+
   /// Initial log-likelihood of the other hypotheses: a wire that was switched on is nearly always
   /// cold and at rest, exp(4) times as likely.
   static constexpr S other_starts = S(-4);
@@ -116,12 +118,6 @@ struct MultipleModelFilter {
   /// Standard deviation of a strain that may be anywhere in a 4 % stroke: 4 %/sqrt(12).
   static constexpr S unknown_sd = S(0.0115);
 
-  /// Initial deviations for a wire that is seen in motion: a single resistance must tell phases,
-  /// drift and surroundings apart. With much freedom for drift and surroundings, several hypotheses
-  /// would explain everything for ever.
-  static constexpr S moving_loss_sd = S(0.4);
-  static constexpr S moving_resistance_sd = S(0.01);
-
   /// While several hypotheses live, the health is good if their strains scatter by less than this
   /// (2.5 % of a 4 % stroke), else searching.
   static constexpr S agreed_sd = S(1e-3);
@@ -133,11 +129,8 @@ struct MultipleModelFilter {
   static constexpr S plausible_resistance_sd = S(0.01);
   static S log_prior(const typename Filter::State& f);
 
-  /// A search looks for the most R-phase that the wire can have on cooling at `all_places`
-  /// temperatures, `places_in_call` of them in each call.
-  static constexpr int all_places = 12;
+  /// Temperatures at which a search looks for R-phase, or steps of a walker, in each call.
   static constexpr int places_in_call = 4;
-  static constexpr S place_distance_K = S(2.5);
 
   /// A walker goes up to `longest_path` steps from the leader, in each call a few; not nearer to
   /// the air, where the heat that the wire loses says nothing.
@@ -166,9 +159,7 @@ struct MultipleModelFilter {
   static void search(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
   static void search_further(const Params& p, State& s, const Measurement<S>& m);
   static void open_further(const Params& p, State& s, const Measurement<S>& m);
-  static void look_for_r_phase(const Params& p, State& s, const S& stress_Pa);
   static void open(const Params& p, State& s, std::size_t i, const Measurement<S>& m);
-  static void place(const Params& p, State& s, std::size_t i, const Measurement<S>& m);
   static std::uint8_t next_follower(const State& s);
   static void follow(const Params& p, State& s, std::size_t i, const Measurement<S>& m,
                      const S& dt_s);
@@ -181,14 +172,6 @@ struct MultipleModelFilter {
   static void merge(State& s, std::size_t i);
   static bool agree(const typename Filter::State& a, const typename Filter::State& b,
                     bool also_the_loss);
-
-  /// The temperatures at which heating and cooling begin to transform, and their mean.
-  struct Loop {
-    S heats_K, cools_K, between_K;
-  };
-  static Loop loop(const Params& p, const S& stress_Pa);
-  static S matching_share(const Params& p, const Measurement<S>& m, const S& ambient_K,
-                          const S& temperature_K, bool martensite);
 };
 
 template <class S>
@@ -394,8 +377,10 @@ void MultipleModelFilter<S>::open_further(const Params& p, State& s, const Measu
   Measurement<S> now = m;
   now.stress_Pa = likeliest(s).stress_Pa;
   const auto i = static_cast<std::uint8_t>((s.last_opened + 1U) % hypotheses);
-  if (s.places < all_places) {
-    look_for_r_phase(p, s, now.stress_Pa);
+  if (s.places < Starts::places) {
+    const S r = Starts::most_r_phase(p, now.stress_Pa, s.places, places_in_call);
+    s.max_r_phase = s.max_r_phase < r ? r : s.max_r_phase;
+    s.places = static_cast<std::uint8_t>(s.places + places_in_call);
   } else if (i == 0 && !s.rest_slope_known) {
     s.rest_slope = Filter::rest_slope(p, now.stress_Pa, s.start_ambient_K);
     s.rest_slope_known = true;
@@ -407,31 +392,12 @@ void MultipleModelFilter<S>::open_further(const Params& p, State& s, const Measu
 }
 
 template <class S>
-void MultipleModelFilter<S>::look_for_r_phase(const Params& p, State& s, const S& stress_Pa) {
-  const S from_K = loop(p, stress_Pa).between_K;
-  for (int i = 0; i < places_in_call; ++i) {
-    const S at_K = from_K - place_distance_K * S(s.places);
-    const S r = Filter::Kinetics::rest(p.model.kinetics, {at_K, stress_Pa}).r_phase;
-    s.max_r_phase = s.max_r_phase < r ? r : s.max_r_phase;
-    ++s.places;
-  }
-}
-
-template <class S>
-auto MultipleModelFilter<S>::loop(const Params& p, const S& stress_Pa) -> Loop {
-  const typename Filter::Kinetics::Params& k = p.model.kinetics;
-  const S heats_K = isobar(k.m2a, stress_Pa).start_K;
-  const S cools_K = isobar(k.a2m_a2r, Pair<S>(stress_Pa)).start_K.first();
-  return {heats_K, cools_K, (heats_K + cools_K) / S(2)};
-}
-
-template <class S>
 void MultipleModelFilter<S>::open(const Params& p, State& s, std::size_t i,
                                   const Measurement<S>& m) {
   if (i == 0) {
     Filter::start_at_rest(p, s.filter[i], m, s.start_ambient_K, s.rest_slope);
   } else {
-    place(p, s, i, m);
+    Starts::start(p, s.filter[i], i, m, s.start_ambient_K, s.max_r_phase);
   }
   set_bit(s.alive, i, true);
   set_bit(s.seen_rest, i, i == 0);
@@ -439,61 +405,6 @@ void MultipleModelFilter<S>::open(const Params& p, State& s, std::size_t i,
   s.missed[i] = {S(0), S(0)};
   s.log_likelihood[i] = i == 0 ? S(0) : s.others_start;
   s.log_weight[i] = s.log_likelihood[i];
-}
-
-/// Starts a hypothesis other than 0, which is cold and at rest. 1: about to contract; 2: about to
-/// stretch; 3 and 4: in the middle of a loop, austenite with martensite or with R-phase; 5: hot.
-template <class S>
-void MultipleModelFilter<S>::place(const Params& p, State& s, std::size_t i,
-                                   const Measurement<S>& m) {
-  const Loop at = loop(p, m.stress_Pa);
-  const S martensite = matching_share(p, m, s.start_ambient_K, at.between_K, true);
-  const S r_phase = matching_share(p, m, s.start_ambient_K, at.between_K, false);
-  // The part of the resistance that R-phase cannot explain is due to martensite.
-  const auto mixture = [&](const S& share) {
-    const S r = min(share * r_phase, s.max_r_phase);
-    return Phases<S>{S(0.03) + (S(1) - r / r_phase) * min(martensite, S(0.95)) * S(0.97), r};
-  };
-  struct Guess {
-    S temperature_K;
-    Phases<S> phases;
-  };
-  const auto guess = [&]() -> Guess {
-    switch (i) {
-      case 1:
-        return {at.heats_K - S(5), {martensite, S(0.01)}};
-      case 2:
-        return {at.cools_K + S(3), mixture(S(0.4))};
-      case 3:
-        return {at.between_K, {martensite, S(0.01)}};
-      case 4:
-        return {at.between_K, mixture(S(1))};
-      default:
-        return {at.heats_K + S(25), {min(martensite, S(0.3)), S(0.01)}};
-    }
-  };
-  const Guess first = guess();
-  Filter::start(p, s.filter[i], m, s.start_ambient_K, first.temperature_K, first.phases, S(0.15),
-                S(8));
-  auto& P = s.filter[i].covariance;
-  P.at(Filter::iLoss, Filter::iLoss) = moving_loss_sd * moving_loss_sd;
-  P.at(Filter::iResistance, Filter::iResistance) = moving_resistance_sd * moving_resistance_sd;
-}
-
-/// The share of martensite (or else of R-phase) in austenite that explains the resistance.
-template <class S>
-S MultipleModelFilter<S>::matching_share(const Params& p, const Measurement<S>& m,
-                                         const S& ambient_K, const S& temperature_K,
-                                         bool martensite) {
-  const auto ohm = [&](const S& share) {
-    return Filter::Model::resistance_ohm(
-        p.model, martensite ? Phases<S>{share, S(0)} : Phases<S>{S(0), share},
-        {temperature_K, m.stress_Pa}, ambient_K);
-  };
-  const S none = ohm(S(0));
-  const S all = ohm(S(1));
-  const S share = (m.resistance_ohm - none) / (all - none);
-  return share < S(0.02) ? S(0.02) : S(0.95) < share ? S(0.95) : share;
 }
 
 /// Makes a step of a filter over all that it has missed and the present sample, and counts its

@@ -82,6 +82,10 @@ std::vector<SimEvent> read_events(std::vector<files::TomlTable> tables) {
   return events;
 }
 
+bool SimEvent::holds(double time_s) const {
+  return at_s - rounding_s <= time_s && time_s < at_s + for_s - rounding_s;
+}
+
 SimEvents::SimEvents(std::vector<SimEvent> events, const hal::SimSurroundings& without)
     : events_(std::move(events)),
       without_(without),
@@ -98,7 +102,7 @@ void SimEvents::change(double time_s, hal::SimBoard& board) {
     for (const double edge_s : {event.at_s - rounding_s, end_s - rounding_s}) {
       next_s_ = edge_s > time_s ? std::min(next_s_, edge_s) : next_s_;
     }
-    if (time_s < event.at_s - rounding_s || time_s >= end_s - rounding_s) {
+    if (!event.holds(time_s)) {
       continue;
     }
     around.ambient_K = event.ambient_K.value_or(around.ambient_K);

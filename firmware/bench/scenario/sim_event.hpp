@@ -26,6 +26,9 @@ struct SimEvent {
   bool driver_fault = false;
   bool late = false;     ///< the loop misses its deadline
   bool reboots = false;  ///< the device has no power; it starts anew at the event's end
+
+  /// Whether it lasts at this time; times within a nanosecond are the same.
+  bool holds(double time_s) const;
 };
 
 /// Throws UserError.

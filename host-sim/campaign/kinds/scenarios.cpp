@@ -42,7 +42,8 @@ class HottestTable final : public Table {
                      named(c.at(3), evaluate::random_trouble_count, evaluate::random_trouble_name),
                      c.at(5) == yes_or_no(true), std::stod(c.at(6)), std::stod(c.at(7)),
                      std::stod(c.at(8)), named(c.at(9), fault_count, fault_name),
-                     number_or(c.at(10), never), std::stod(c.at(11)), c.at(12) == yes_or_no(true)});
+                     number_or(c.at(10), never), std::stod(c.at(11)), c.at(12) == yes_or_no(true),
+                     c.at(13) == yes_or_no(true)});
   }
   void add(const TrialFile& /*file*/) override {}
   std::string text() const override { return ""; }
@@ -80,7 +81,8 @@ class Scenarios final : public Trials {
                                          {"first_cause", false, true},
                                          {"tripped_s", false},
                                          {"over_s", false},
-                                         {"unanswered", false, true}};
+                                         {"unanswered", false, true},
+                                         {"cooling_halved", false, true}};
     return all;
   }
   std::string_view main_column() const override { return "above_limit_K"; }
@@ -96,7 +98,7 @@ class Scenarios final : public Trials {
              std::string(evaluate::random_trouble_name(scenario.second)), yes_or_no(run.beyond),
              run.duration_s, run.above_limit_K, run.at_s, std::string(fault_name(run.first_cause)),
              std::isfinite(run.tripped_s) ? run.tripped_s : none, run.over_s,
-             yes_or_no(run.unanswered)}};
+             yes_or_no(run.unanswered), yes_or_no(run.halved)}};
   }
 
   std::string command(std::uint64_t index) const override {

@@ -43,7 +43,7 @@ class RecorderWatch {
   bool can_trigger_ = false;
 };
 
-/// Waits until the recorder is complete, and calls `waits` once when it begins to wait for its
+/// Waits until the recorder is complete, and calls `waits`, at most once, when it waits for its
 /// trigger. Throws UserError if the trigger has not come within `patience_s`.
 void wait_for_recorder(
     Remote& remote, const RecordingPlan& plan, double patience_s,

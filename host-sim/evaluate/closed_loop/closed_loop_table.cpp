@@ -142,6 +142,7 @@ std::string closed_loop_json(const ClosedLoopEvaluation& e) {
                               {"at_s", run.at_s},
                               {"over_s", run.over_s},
                               {"unanswered", run.unanswered},
+                              {"cooling_halved", run.halved},
                               {"first_cause", fault_name(run.first_cause)}});
   }
   return files::json_text(json);

@@ -87,6 +87,7 @@ HottestRun run_hottest(const RandomScenario& scenario) {
                  Fault::none,
                  std::numeric_limits<double>::infinity(),
                  0,
+                 false,
                  false};
   double before_s = 0;
   double since_s = std::numeric_limits<double>::infinity();
@@ -113,6 +114,7 @@ HottestRun run_hottest(const RandomScenario& scenario) {
     run.unanswered = run.unanswered || cycle.time_s - since_s > hottest_answered_s;
     before_s = cycle.time_s;
   }
+  run.halved = scenario.halved_s <= run.at_s;
   return run;
 }
 
@@ -130,6 +132,7 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
   Tally all;
   int harmless = 0;
   int far = 0;
+  int far_halved = 0;
   int unanswered = 0;
   double over_s = 0;
   int false_trips = 0;
@@ -137,7 +140,9 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
   for (const HottestRun& run : runs) {
     all.add(run);
     harmless += run.harmless() ? 1 : 0;
-    far += run.above_limit_K > hottest_far_K ? 1 : 0;
+    const bool is_far = run.above_limit_K > hottest_far_K;
+    far += is_far ? 1 : 0;
+    far_halved += is_far && run.halved ? 1 : 0;
     unanswered += run.unanswered ? 1 : 0;
     over_s += run.over_s;
     false_trips += run.false_alarm() ? 1 : 0;
@@ -147,13 +152,15 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
   std::ranges::sort(sorted, {}, &HottestRun::above_limit_K);
   std::string text = fmt::format(
       "True hottest point above `limits.temperature_K` in {} random scenarios of 20 to 600 s: "
-      "{} above it by more than {:g} K, {:.1f} s in all, {} by more than {:g} K; {} of them in no "
-      "fault {:g} s later; median {:.1f} K, 90 % {:.1f}, 99 % {:.1f}, highest {:.1f}. In "
-      "{} scenarios without any disturbance {} ended with a fault other than `following_error`.\n\n"
-      "{}",
-      all.runs, all.violations, hottest_allowed_K, over_s, far, hottest_far_K, unanswered,
-      hottest_answered_s, quantile(sorted, 0.5), quantile(sorted, 0.9), quantile(sorted, 0.99),
-      all.worst_K, harmless, false_trips, classes(runs, all).markdown());
+      "{} above it by more than {:g} K, {:.1f} s in all, {} of these in no fault {:g} s later; {} "
+      "by "
+      "more than {:g} K, of which {} after the draught had halved within a second; median {:.1f} "
+      "K, "
+      "90 % {:.1f}, 99 % {:.1f}, highest {:.1f}. In {} scenarios without any disturbance {} ended "
+      "with a fault other than `following_error`.\n\n{}",
+      all.runs, all.violations, hottest_allowed_K, over_s, unanswered, hottest_answered_s, far,
+      hottest_far_K, far_halved, quantile(sorted, 0.5), quantile(sorted, 0.9),
+      quantile(sorted, 0.99), all.worst_K, harmless, false_trips, classes(runs, all).markdown());
   text += "\nFirst trips:";
   for (const auto& [name, count] : causes) {
     text += fmt::format(" {} {}{}", name, count, name == causes.rbegin()->first ? ".\n" : ",");
@@ -163,9 +170,10 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
       sorted.rbegin() + static_cast<std::ptrdiff_t>(std::min(max_named, sorted.size())));
   std::erase_if(worst, [](const HottestRun& r) { return !r.violates(); });
   for (const HottestRun& r : worst) {
-    text += fmt::format("\n- seed {}: {:.1f} K at {:.2f} s, {}, {}, {}{}", r.seed, r.above_limit_K,
-                        r.at_s, text::mode_name(r.mode), random_air_name(r.air),
-                        random_trouble_name(r.trouble), r.beyond ? ", beyond" : "");
+    text += fmt::format("\n- seed {}: {:.1f} K at {:.2f} s, {}, {}, {}{}{}", r.seed,
+                        r.above_limit_K, r.at_s, text::mode_name(r.mode), random_air_name(r.air),
+                        random_trouble_name(r.trouble), r.beyond ? ", beyond" : "",
+                        r.halved ? ", draught halved" : "");
   }
   return text + (worst.empty() ? "" : "\n");
 }

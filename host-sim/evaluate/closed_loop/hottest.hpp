@@ -32,6 +32,7 @@ struct HottestRun {
   double tripped_s;      ///< time of the first trip; infinite: there was none
   double over_s;         ///< total time above the allowed excess
   bool unanswered;       ///< no fault within hottest_answered_s after an excess
+  bool halved;           ///< at some time before at_s the draught had halved within a second
 
   bool violates() const { return above_limit_K > hottest_allowed_K; }
   /// Whether nothing happened to the wire and nothing was demanded beyond its limits.

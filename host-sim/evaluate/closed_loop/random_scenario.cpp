@@ -1,9 +1,12 @@
 #include "host-sim/evaluate/closed_loop/random_scenario.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <utility>
+#include <vector>
 
 #include "firmware/bench/dice.hpp"
 #include "firmware/text/device_names.hpp"
@@ -43,6 +46,7 @@ class Draw {
     air();
     trouble();
     commands();
+    find_halving();
   }
   RandomScenario scenario() const { return result_; }
 
@@ -234,6 +238,41 @@ class Draw {
       case RandomAir::wall:
         wall();
         break;
+    }
+  }
+
+  /// The draught at a time: that of the last event that sets one then, as bench::SimEvents has it.
+  double draught_at(double time_s) {
+    double draught = loop().board.surroundings.draught;
+    for (const bench::SimEvent& e : loop().events) {
+      if (e.draught && e.holds(time_s)) {
+        draught = *e.draught;
+      }
+    }
+    return draught;
+  }
+
+  void find_halving() {
+    constexpr double within_s = 1;
+    std::vector<double> edges_s{0};
+    for (const bench::SimEvent& e : loop().events) {
+      if (e.draught) {
+        edges_s.insert(edges_s.end(), {e.at_s, e.at_s + e.for_s});
+      }
+    }
+    std::ranges::sort(edges_s);
+    result_.halved_s = std::numeric_limits<double>::infinity();
+    for (const double edge_s : edges_s) {
+      double most = draught_at(std::max(0.0, edge_s - within_s));
+      for (const double before_s : edges_s) {
+        most = edge_s - within_s < before_s && before_s < edge_s
+                   ? std::max(most, draught_at(before_s))
+                   : most;
+      }
+      if (2 * draught_at(edge_s) <= most) {
+        result_.halved_s = edge_s;
+        return;
+      }
     }
   }
 

@@ -67,6 +67,9 @@ struct RandomScenario {
   RandomTrouble trouble;
   RandomTrouble second;  ///< a trouble at the same time as the first one
   bool beyond;           ///< there are set-points beyond the limits or what the load allows
+  /// First time at which the draught is a half or less of what it was at most a second before, as
+  /// where a fan fails, or a touch ends; infinite: at none.
+  double halved_s;
 };
 
 /// Draws a scenario of 20, 60 or 600 s from this seed. host-sim/evaluate/README.md lists the ranges

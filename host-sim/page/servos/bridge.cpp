@@ -349,6 +349,7 @@ bool Bridge::read_recording() {
       running.reply({false, error.what()});
     }
     recorded_.erase(it);
+    published_us_ = 0;
     return true;
   }
   return false;

@@ -119,7 +119,8 @@ TEST(CampaignScenarios, AreThoseOfEvaluateInAnyDivision) {
   EXPECT_EQ(contents(folder / "one"), contents(folder / "two"));
   EXPECT_THAT(file_text(folder / "one/trials.csv"),
               AllOf(HasSubstr("trial,seed,mode,air,trouble,second_trouble,beyond,duration_s,"
-                              "above_limit_K,at_s,first_cause,tripped_s,over_s,unanswered\n0,1,"),
+                              "above_limit_K,at_s,first_cause,tripped_s,over_s,unanswered,"
+                              "cooling_halved\n0,1,"),
                     HasSubstr("\n5,6,")));
   EXPECT_THAT(campaign.trials->command(5), HasSubstr("--random-seed 6"));
 }

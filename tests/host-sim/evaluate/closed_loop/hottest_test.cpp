@@ -1,7 +1,9 @@
 #include "host-sim/evaluate/closed_loop/hottest.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
+#include <limits>
 
 #include "firmware/parameters/parameter_check.hpp"
 #include "tests/places.hpp"
@@ -29,6 +31,44 @@ TEST(Hottest, HardlyAboveTheLimitAndTheSameOnAnyNumberOfThreads) {
   EXPECT_GE(hot, 5) << "scenarios that never come near the limit prove nothing";
   const auto again = run_hottest(units, 1, 60, 2, [](std::size_t) {});
   EXPECT_EQ(hottest_markdown(again), hottest_markdown(runs));
+}
+
+/// The draught at a time, by the definition of events: the last one in the list that holds counts.
+double draught_at(const RandomScenario& s, double time_s) {
+  double draught = s.loop.board.surroundings.draught;
+  for (const bench::SimEvent& e : s.loop.events) {
+    draught = e.draught && e.holds(time_s) ? *e.draught : draught;
+  }
+  return draught;
+}
+
+/// Looked for on a grid of 10 ms.
+TEST(RandomScenario, SaysWhenItsCoolingHalvesWithinASecond) {
+  const std::vector<CalibratedUnit> units = hottest_units();
+  constexpr double grid_s = 0.01;
+  constexpr int window = 100;
+  int halved = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const RandomScenario s = random_scenario(units, seed);
+    std::vector<double> draughts;
+    double found_s = std::numeric_limits<double>::infinity();
+    for (int i = 0; i * grid_s < 60; ++i) {
+      draughts.push_back(draught_at(s, i * grid_s));
+      const auto from = draughts.end() - std::min(i + 1, window);
+      if (2 * draughts.back() <= *std::max_element(from, draughts.end())) {
+        found_s = i * grid_s;
+        break;
+      }
+    }
+    if (std::isinf(found_s)) {
+      EXPECT_GT(s.halved_s, 60 - 2 * grid_s) << seed << ": " << s.loop.note;
+    } else {
+      EXPECT_NEAR(s.halved_s, found_s, 2 * grid_s) << seed << ": " << s.loop.note;
+      ++halved;
+    }
+  }
+  EXPECT_GT(halved, 10);
+  EXPECT_LT(halved, 150);
 }
 
 TEST(RandomScenario, IsDrawnFromItsSeedAlone) {

@@ -14,7 +14,7 @@ export interface Bridge {
   control: number | null;
   clients: { client: number; address: string; queued: number; dropped: number; read_only: boolean }[];
   activity: { service: string; node: number; client: number; progress: number } | null;
-  recordings: { node: number; client: number; stage: 'filling' | 'waiting' | 'recording' | 'complete' }[];
+  recordings: { node: number; client: number; stage: 'filling' | 'waiting' | 'recording' }[];
   trouble: string;
 }
 

@@ -32,7 +32,8 @@ const triggerValue = saved<number>('trigger_value', 0, isNumber);
 const triggerUnits = saved<Units>('trigger_units', 'bench', isUnits);
 /** Set-points are in the unit of the mode that there was. */
 const recording = signal<{ recording: Recording; mode: number } | null>(null);
-const waiting = signal(false);
+/** What this page records at present. */
+const running = signal<{ node: number | null; trigger: string } | null>(null);
 
 const triggerScale = (choice: Units): Shown => shownIn(state.value?.mode ?? 0, triggerSignal.value, choice);
 
@@ -64,18 +65,18 @@ function TriggerLevel() {
 }
 
 /** What the button says while a recording runs. A crossing of the level counts from "Waiting" on. */
-function stageText(): string {
-  const stage = bridge.value?.recordings.find((one) => one.node === node.value)?.stage;
-  if (triggerSignal.value === '' || stage === 'recording') {
+function stageText({ node: recorded, trigger }: { node: number | null; trigger: string }): string {
+  const stage = bridge.value?.recordings.find((one) => one.node === recorded)?.stage;
+  if (trigger === '' || stage === 'recording') {
     return 'Recording …';
   }
   return stage === 'waiting' ? 'Waiting for the trigger …' : 'Arming …';
 }
 
 async function record(): Promise<void> {
-  waiting.value = true;
+  const trigger = triggerSignal.value === '' ? '' : triggerText();
+  running.value = { node: node.value, trigger };
   try {
-    const trigger = triggerSignal.value === '' ? '' : triggerText();
     const answer = await call('record', {
       node: node.value,
       signals: chosen.value,
@@ -88,7 +89,7 @@ async function record(): Promise<void> {
   } catch (error) {
     sayError(error, 'Recorder');
   }
-  waiting.value = false;
+  running.value = null;
 }
 
 export function RecorderCard() {
@@ -158,9 +159,9 @@ export function RecorderCard() {
           data-testid="record"
           onClick={() => void record()}
           disabled={
-            link.value !== 'open' || readOnly.value || waiting.value || chosen.value.length === 0 || !!activity
+            link.value !== 'open' || readOnly.value || running.value !== null || chosen.value.length === 0 || !!activity
           }>
-          {waiting.value ? stageText() : 'Record'}
+          {running.value ? stageText(running.value) : 'Record'}
         </button>
       </div>
       {recording.value && <Recorded {...recording.value} />}
