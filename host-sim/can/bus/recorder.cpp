@@ -132,12 +132,11 @@ RecorderWatch::RecorderWatch(Remote& remote, const RecordingPlan& plan, double p
     : remote_(remote),
       patience_s_(patience_s),
       until_us_(remote.bus().now_us() + static_cast<std::int64_t>(patience_s * 1e6)),
-      after_us_(static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6)) {
-  // The recording is complete with this many rows, even if the memory has room for more. A loop
-  // that misses cycles takes longer to collect them.
-  rows_ = std::ceil(plan.seconds / period_of(remote));
-  rows_before_ = remote.number("recorder.pretrigger");
-}
+      after_us_(static_cast<std::int64_t>((plan.seconds - plan.before_s) * 1e6)),
+      // The recording is complete with this many rows, even if the memory has room for more. A loop
+      // that misses cycles takes longer to collect them.
+      rows_(std::ceil(plan.seconds / period_of(remote))),
+      rows_before_(remote.number("recorder.pretrigger")) {}
 
 RecorderStage RecorderWatch::look() {
   const std::int64_t longest_us = 10 * after_us_ + 5'000'000;

@@ -294,7 +294,7 @@ json Bridge::heat(Servo& servo, const std::string& service, const json& request,
     }
     seconds = number_in(request, "seconds", 0.2, 600);
     activity_->expected_us = static_cast<std::int64_t>(2e6 * seconds) + 2'000'000;
-    for (Recorded& running : recorded_) {
+    for (const Recorded& running : recorded_) {
       if (running.recording.node() == servo.node) {
         throw UserError(fmt::format("{}: a recording is running; a step test needs the recorder",
                                     servo.title()));
@@ -336,7 +336,7 @@ json Bridge::scan() {
 
 void Bridge::begin_recording(const Caller& caller, const json& request, const Reply& reply) {
   const Servo& servo = operations_.servo(node_in(request));
-  for (Recorded& running : recorded_) {
+  for (const Recorded& running : recorded_) {
     if (running.recording.node() == servo.node) {
       throw UserError(
           fmt::format("{}: its recorder is at work for client {}", servo.title(), running.client));
