@@ -152,12 +152,11 @@ std::string hottest_markdown(const std::vector<HottestRun>& runs) {
   std::ranges::sort(sorted, {}, &HottestRun::above_limit_K);
   std::string text = fmt::format(
       "True hottest point above `limits.temperature_K` in {} random scenarios of 20 to 600 s: "
-      "{} above it by more than {:g} K, {:.1f} s in all, {} of these in no fault {:g} s later; {} "
-      "by "
-      "more than {:g} K, of which {} after the draught had halved within a second; median {:.1f} "
-      "K, "
-      "90 % {:.1f}, 99 % {:.1f}, highest {:.1f}. In {} scenarios without any disturbance {} ended "
-      "with a fault other than `following_error`.\n\n{}",
+      "{} above it by more than {:g} K, {:.1f} s in all, {} of these in no fault {:g} s later; "
+      "{} by more than {:g} K, of which {} after the draught had halved within a second; "
+      "median {:.1f} K, 90 % {:.1f}, 99 % {:.1f}, highest {:.1f}. "
+      "In {} scenarios without any disturbance {} ended with a fault other than "
+      "`following_error`.\n\n{}",
       all.runs, all.violations, hottest_allowed_K, over_s, unanswered, hottest_answered_s, far,
       hottest_far_K, far_halved, quantile(sorted, 0.5), quantile(sorted, 0.9),
       quantile(sorted, 0.99), all.worst_K, harmless, false_trips, classes(runs, all).markdown());
