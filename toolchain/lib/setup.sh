@@ -88,7 +88,7 @@ as_root() {
 # apt-get, quiet and without questions; the end of its log on failure.
 apt_get() {
   mkdir -p "$logs"
-  if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get -y -q -o Acquire::Retries=3 "$@" >"$logs/apt.log" 2>&1; then
+  if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get -y -q -o Acquire::Retries=3 -o DPkg::Lock::Timeout=600 "$@" >"$logs/apt.log" 2>&1; then
     show_end "$logs/apt.log"
     say "apt-get $1 failed; the whole log is in $logs/apt.log"
     return 1
