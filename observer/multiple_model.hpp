@@ -62,6 +62,7 @@ struct MultipleModelFilter {
     S others_start;            ///< initial log-likelihood of hypotheses that do not start at rest
     S start_ambient_K;
     bool compared;           ///< there has been a valid resistance
+    S heat_J;                ///< heat since the hypotheses began to compete, as fade() counts it
     std::uint8_t seen_rest;  ///< bit i: hypothesis i has seen the wire's resistance at rest
     bool air_moved;          ///< walkers have set out since the last search
     std::uint8_t origin;     ///< the leader when they set out last
@@ -142,6 +143,15 @@ struct MultipleModelFilter {
   static constexpr S most_moves = S(3.2);
   static constexpr S moves_fade_s = S(5);
 
+  /// Rise of the temperature in a whole heating. It takes the heat of this rise, and the latent
+  /// heat of M2A; after so many times that heat a search is to end.
+  static constexpr S cycle_K = S(80);
+  static constexpr S cycles = S(2), cycles_in_moved_air = S(3);
+  /// A wire that is this much above its air counts as cold.
+  static constexpr S still_cold_K = S(10);
+  /// In each of these times the likelihood of the others falls to 1/e.
+  static constexpr S fades_s = S(0.1);
+
   static bool has_bit(std::uint8_t bits, std::size_t i) { return (bits >> i & 1U) != 0; }
   static void set_bit(std::uint8_t& bits, std::size_t i, bool value) {
     const unsigned others = bits & ~(1U << i);
@@ -164,6 +174,9 @@ struct MultipleModelFilter {
   static void follow(const Params& p, State& s, std::size_t i, const Measurement<S>& m,
                      const S& dt_s);
   static void choose(State& s);
+  /// Not inline: its estimate would lie on the stack while a filter makes a step.
+  [[gnu::noinline]] static void fade(const Params& p, State& s, const Measurement<S>& m,
+                                     const S& dt_s);
   static bool strayed(const Params& p, const State& s);
   static void set_out(State& s);
   static void walk(const Params& p, State& s, const Measurement<S>& m);
@@ -233,6 +246,7 @@ void MultipleModelFilter<S>::begin_search(State& s, std::size_t to_open, const S
   s.doubt_s = S(0);
   s.air_moved = false;
   s.paths = 0;
+  s.heat_J = S(0);
 }
 
 /// A leader that has not seen the wire at rest may have a wrong factor on the resistance.
@@ -311,6 +325,7 @@ void MultipleModelFilter<S>::end_path(const Params& p, State& s) {
     return;
   }
   s.filter[s.leader].bias = S(0);
+  s.heat_J = S(0);
   s.alive = static_cast<std::uint8_t>(s.alive | s.arrived);
   for (std::size_t i = 0; i < hypotheses; ++i) {
     if (!is_alive(s, i)) {
@@ -343,6 +358,7 @@ void MultipleModelFilter<S>::search(const Params& p, State& s, const Measurement
   }
   if (s.unopened == 0) {
     choose(s);
+    fade(p, s, m, dt_s);
   }
 }
 
@@ -464,6 +480,34 @@ void MultipleModelFilter<S>::merge(State& s, std::size_t i) {
   for (std::size_t j = 0; j < hypotheses && is_alive(s, i); ++j) {
     if (j != i && is_alive(s, j) && agree(s.filter[i], s.filter[j], s.air_moved)) {
       drop(s, j == s.leader || s.log_weight[i] < s.log_weight[j] ? i : j);
+    }
+  }
+}
+
+/// Ends a search that the resistance does not decide. A held wire may fit two hypotheses equally
+/// well for ever. The heat counts from the beginning of the search, also while the hypotheses
+/// agree. Then the others lose their weight little by little, since a control loop follows the
+/// estimate, until the strains agree within agreed_sd.
+template <class S>
+void MultipleModelFilter<S>::fade(const Params& p, State& s, const Measurement<S>& m,
+                                  const S& dt_s) {
+  if (!m.resistance_valid || !searching(s)) {
+    return;
+  }
+  // One wrong reading of the power must not end a search.
+  const ThermalBody<S>& body = p.model.body;
+  const S hot_W = body.loss_W(cycle_K);
+  const S counted_W = (m.power_W < hot_W ? m.power_W : hot_W) - body.loss_W(still_cold_K);
+  s.heat_J += S(0) < counted_W ? counted_W * dt_s : S(0);
+  const S cycle_J = body.capacity_J_K * cycle_K + body.latent_m2a_J;
+  if (s.heat_J < (s.air_moved ? cycles_in_moved_air : cycles) * cycle_J ||
+      estimate(s).health == Health::good) {
+    return;
+  }
+  for (std::size_t i = 0; i < hypotheses; ++i) {
+    if (i != s.leader) {
+      s.log_likelihood[i] -= dt_s / fades_s;
+      s.log_weight[i] -= dt_s / fades_s;
     }
   }
 }

@@ -453,6 +453,81 @@ TEST(MultipleModel, FollowsAHeldWireThroughMovingAir) {
   expect_followed_through_gusts<LumpedWire>();
 }
 
+/// A wire is held where two hypotheses fit it, by readings that are too coarse to tell them apart.
+struct Undecided {
+  MultipleModel::Params p = tuned();
+  LumpedWire wire{{}, 150e6, 1};
+  double hold_W = 0;
+  MultipleModel::State s{};
+
+  Undecided() {
+    const double cools_K =
+        isobar(bench_wire().kinetics.a2m_a2r, Pair<double>(150e6)).start_K.first();
+    wire.place(cools_K + 5, {0.5, 0.02});
+    hold_W = holding_W(cools_K + 5);
+    s = MultipleModel::start(p, read(hold_W), told_ambient_K);
+  }
+  Measurement<double> read(double power_W) {
+    Measurement<double> m = wire.step(power_W);
+    m.resistance_sd_ohm *= 1000;
+    return m;
+  }
+  void advance(const Measurement<double>& m) { MultipleModel::advance(p, s, m, sample_s); }
+  bool searching() const { return MultipleModel::estimate(p, s).health == Health::searching; }
+  double heat_needed_J() const {
+    return 2 * (80 * p.model.body.capacity_J_K + p.model.body.latent_m2a_J);
+  }
+};
+
+TEST(MultipleModel, HeatEndsASearchThatTheResistanceDoesNotDecide) {
+  Undecided held;
+  const auto& body = held.p.model.body;
+  const double counted_W = held.hold_W - body.loss_W(10);
+  double heat_J = 0;
+  double strain = MultipleModel::estimate(held.p, held.s).strain;
+  double greatest_step = 0;
+  double ended_s = 0;
+  for (int i = 0; i < 60000; ++i) {
+    held.advance(held.read(held.hold_W));
+    if (held.s.unopened > 0) {
+      continue;
+    }
+    heat_J += counted_W * sample_s;
+    const double now = MultipleModel::estimate(held.p, held.s).strain;
+    if (heat_J > held.heat_needed_J()) {
+      greatest_step = std::max(greatest_step, std::abs(now - strain));
+      ended_s += held.searching() ? sample_s : 0;
+    } else {
+      ASSERT_TRUE(held.searching()) << "at " << i << " ms; nothing is left to decide";
+    }
+    strain = now;
+  }
+  EXPECT_FALSE(held.searching());
+  // A tenth of a second takes exp(1) from the weight of the others, of which exp(-10) is none.
+  EXPECT_GT(ended_s, 0.02);
+  EXPECT_LT(ended_s, 1);
+  EXPECT_LT(greatest_step, 2e-4) << "the estimate jumps";
+}
+
+TEST(MultipleModel, NeitherColdNorBlindTimeEndsASearch) {
+  Undecided cold;
+  Undecided blind;
+  const double cold_W = cold.p.model.body.loss_W(9.9);
+  for (int i = 0; i < 60000; ++i) {
+    Measurement<double> m = cold.read(cold.hold_W);
+    m.power_W = cold_W;
+    cold.advance(m);
+    m = blind.read(blind.hold_W);
+    m.resistance_valid = i < 100;
+    blind.advance(m);
+  }
+  EXPECT_EQ(cold.s.unopened, 0);
+  EXPECT_EQ(cold.s.heat_J, 0);
+  EXPECT_EQ(blind.s.unopened, 0);
+  EXPECT_TRUE(blind.searching());
+  EXPECT_LT(blind.s.heat_J, 0.1 * blind.hold_W);
+}
+
 TEST(MultipleModel, AWalkThatReadingsInterruptBeginsAnew) {
   const MultipleModel::Params p = tuned();
   int interrupted = 0;

@@ -56,6 +56,10 @@
 // there a probe would cost 10 to 20 % of the stroke. So it is probed only where the power has
 // fallen far.
 //
+// A wire whose cooling is confirmed may stay austenite although, with the file's cooling, it would
+// be more than 20 K below where it begins to transform. Its cooling has then fallen, and the
+// verdict becomes none.
+//
 // Where a number below has no other source it was chosen on simulated wires, by the temperatures of
 // `host-sim evaluate --closed-loop --random-from 50000` and by held strains (commits e0eb91cd and
 // 0e1184e1 have the tables); what concerns R-phase, and the rise of the resistance,
@@ -175,6 +179,12 @@ struct CoolingGuard {
   // The temperatures that lead to a probe.
   /// Excess over the limit that the random scenarios count as too hot.
   static constexpr S allowed_K = S(3);
+  /// A wire that by its file's cooling is this far below the beginning of the transformation should
+  /// have transformed by stays_austenite_share: 7 K by which the beginning is known, and some 10 K
+  /// for the latent heat of that share, which the heat balances lack.
+  static constexpr S should_rise_K = S(20);
+  /// Most of martensite and R-phase that an austenite wire seems to have.
+  static constexpr S stays_austenite_share = S(0.2);
   /// Share of limits.hot_spot_K that a freely hanging wire has.
   static constexpr S hot_spot = S(0.33);
   /// Distance of the mean temperature from its limit within which a doubt starts a probe at once.
@@ -221,6 +231,7 @@ struct CoolingGuard {
   void judge(const MonitorInputs<S>& seen, const S& transforms_K);
   void doubt(const MonitorInputs<S>& seen);
   void settle(const MonitorInputs<S>& seen);
+  bool stays_austenite(const MonitorInputs<S>& seen, const S& starts_K) const;
   bool is_pressed(const MonitorInputs<S>& seen) const;
   bool wants_probe(const MonitorInputs<S>& seen) const;
   bool hotter_than_told(const MonitorInputs<S>& seen, const S& starts_K);
@@ -311,6 +322,10 @@ void CoolingGuard<S>::follow(const MonitorInputs<S>& seen, const Starts& start) 
     end(in_time ? Verdict::confirmed : told.verdict);
     return;
   }
+  if (stays_austenite(seen, starts_K)) {
+    told.verdict = Verdict::none;
+    told.least = 0;
+  }
   const auto found = watch.look(seen, whole_K(), told.since_s);
   if (found == ResistanceWatch<S>::Finding::moved) {
     doubt(seen);
@@ -341,6 +356,14 @@ void CoolingGuard<S>::end(Verdict verdict) {
   phase = Phase::cold;
   told.verdict = verdict;
   told.since_s = S(0);
+}
+
+/// Whether the file's cooling, which the last test has confirmed, would have transformed the wire,
+/// and it stays austenite: it is cooled less by now.
+template <class S>
+bool CoolingGuard<S>::stays_austenite(const MonitorInputs<S>& seen, const S& starts_K) const {
+  return confirmed() && !probing() && whole_K() < starts_K - should_rise_K &&
+         seen.estimate.martensite + seen.estimate.r_phase < stays_austenite_share;
 }
 
 template <class S>

@@ -33,6 +33,24 @@ TEST(Hottest, HardlyAboveTheLimitAndTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(hottest_markdown(again), hottest_markdown(runs));
 }
 
+/// The resistance of these wires never decides between two hypotheses about their start.
+TEST(Hottest, ASearchThatIsNotDecidedIsNoFault) {
+  const std::vector<CalibratedUnit> units = hottest_units();
+  for (const std::uint64_t seed : {9003690U, 9009871U}) {
+    const HottestRun run = run_hottest(random_scenario(units, seed));
+    EXPECT_TRUE(run.harmless()) << seed;
+    EXPECT_NE(run.first_cause, Fault::estimate_unsure) << seed;
+  }
+}
+
+/// The fan stops after the cooling was confirmed. By the file's cooling the wire is then cold, but
+/// its resistance stays that of austenite.
+TEST(Hottest, AWireThatStaysAusteniteIsTestedAgain) {
+  const HottestRun run = run_hottest(random_scenario(hottest_units(), 7000310));
+  EXPECT_EQ(run.first_cause, Fault::cooling_lost);
+  EXPECT_LT(run.above_limit_K, 0);
+}
+
 /// The draught at a time, by the definition of events: the last one in the list that holds counts.
 double draught_at(const RandomScenario& s, double time_s) {
   double draught = s.loop.board.surroundings.draught;
