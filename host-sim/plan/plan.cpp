@@ -99,7 +99,7 @@ class Expectation {
     identify::FitRun run = fit_run(driven);
     const identify::Assumed<double> truth{wire_, {0, 1}, {ambient_K, 1, 0, 1, 1, 0}};
     std::vector<identify::Predicted<double>> predicted;
-    identify::predict(run, truth, truth, predicted);
+    identify::predict(run, truth, identify::path_of(run, truth), predicted);
     for (const identify::Predicted<double>& p : predicted) {
       run.strain.push_back(p.strain);
       run.resistance_ohm.push_back(p.resistance_ohm);

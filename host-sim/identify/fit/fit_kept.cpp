@@ -61,7 +61,7 @@ bool Fit::keep_undetermined(Spread& spread) {
 
 /// Sets parameters back and fits the others again, until all others are determined. If the fit then
 /// is clearly worse, the parameters that were set back are needed and become free again.
-void Fit::settle() {
+void Fit::settle(const std::string& stage) {
   for (;;) {
     const std::vector<Active> changing = active(everything(), free_of(all));
     const double before = cost(everything());
@@ -71,7 +71,7 @@ void Fit::settle() {
     if (!keep_undetermined(spread)) {
       return;
     }
-    const double after = joint("what the runs determine", options_.max_iterations);
+    const double after = joint(stage, options_.max_iterations);
     const auto taken = static_cast<double>(kept_.size() - kept_before.size());
     if (after - before > 0.5 * surely_moved * surely_moved * taken) {
       // The covariance, which assumes a linear model, had predicted a smaller rise of the cost.

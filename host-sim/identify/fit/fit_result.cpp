@@ -113,7 +113,7 @@ void Fit::apportion(std::size_t i) {
   const RunCost cost = run_cost(i);
   const std::vector<double> u = deviations(i);
   std::vector<double> austenite;
-  for (const Predicted<double>& p : cost.model(u.data(), cost.assumed<double>(u.data()))) {
+  for (const Predicted<double>& p : cost.model(cost.assumed(u.data()), cost.path(u.data()))) {
     const double a = std::max(0.0, p.phases.austenite()) + 1e-3;
     austenite.push_back(a / (a + std::max(0.0, p.phases.r_phase)));
   }
@@ -210,7 +210,7 @@ FittedRun Fit::fitted(std::size_t i) {
   run.strain_measured = run.kind == RunKind::calorimetry ? runs_[i].power_W_kg : runs_[i].strain;
   run.resistance_measured = runs_[i].resistance_ohm;
   std::size_t k = 0;
-  for (const Predicted<double>& p : cost.model(u.data(), assumed)) {
+  for (const Predicted<double>& p : cost.model(assumed, cost.path(u.data()))) {
     run.strain_model.push_back(p.strain);
     run.resistance_model.push_back(p.resistance_ohm);
     const double too_long = p.strain - run.strain_measured[k];

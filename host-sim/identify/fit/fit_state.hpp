@@ -117,7 +117,7 @@ class Fit {
   Eigen::MatrixXd covariance(const std::vector<Active>& changing) const;
   bool is_of_wire(const Active& one) const { return one.index < problem_->parameters.size(); }
   bool keep_undetermined(Spread& spread);
-  void settle();
+  void settle(const std::string& stage);
   void rise();
   Wire<double> restored(const Wire<double>& wire) const;
 

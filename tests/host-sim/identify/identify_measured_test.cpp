@@ -168,7 +168,7 @@ void predict_left_out(const smaservo::identify::Run& run, const identify::FitRes
     identify::Assumed<double> assumed{fit.wire, fit.circuit, fitted.circumstances};
     assumed.here.ambient_K += warmer_K;
     std::vector<identify::Predicted<double>> all;
-    identify::predict(thin, assumed, assumed, all);
+    identify::predict(thin, assumed, identify::path_of(thin, assumed), all);
     return all;
   };
   double squares = 0;

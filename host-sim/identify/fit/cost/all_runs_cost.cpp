@@ -46,8 +46,9 @@ void AllRunsCost::evaluate(const Cost& cost, const std::vector<Column>& columns,
   for (const Column& column : columns) {
     u[column.index] = x[column.column];
   }
+  const Path path = cost.path(u.data());
   if (jacobian == nullptr || columns.empty()) {
-    cost(u.data(), residuals);
+    cost(u.data(), path, residuals);
     return;
   }
   const std::size_t rows = cost.residuals();
@@ -59,7 +60,7 @@ void AllRunsCost::evaluate(const Cost& cost, const std::vector<Column>& columns,
     for (std::size_t k = first; k < last; ++k) {
       in[columns[k].index].v[static_cast<int>(k - first)] = 1;
     }
-    cost(in.data(), out.data());
+    cost(in.data(), path, out.data());
     for (std::size_t row = 0; row < rows; ++row) {
       residuals[row] = out[row].a;
       double* slopes = jacobian + row * width;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "host-sim/identify/fit/jet.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo::identify {
@@ -70,6 +71,12 @@ class BalancedPlant {
   double capacity_J_K_ = 0;
 };
 
+/// The end of a step of the plain plant.
+struct BalancedStep {
+  double temperature_K;
+  double capacity_J_K;  ///< BalancedPlant::capacity_J_K()
+};
+
 /// The plant on the same path, with derivatives. The temperatures are those of the plain plant;
 /// their derivatives follow from the balance.
 template <class T>
@@ -86,38 +93,70 @@ class FollowingPlant {
   /// Moves the kinetics to a known temperature.
   void move(const Drive<T>& drive) { K::advance(params_.kinetics, state_, drive); }
 
-  /// `plain` must have made the same step immediately before.
-  void advance(const BalancedPlant& plain, const PlantInput<T>& in, double dt_s) {
-    const ThermalBody<T>& body = params_.body;
-    const T before_K = K::drive(state_).temperature_K;
-    const T above = before_K - in.ambient_K;
-    const T heat_J = heat_J_ + (in.power_W - body.loss_W(above)) * T(dt_s);
-    const T plain_J_K = body.capacity_J_K + T(0.5) * body.loss_slope_W_K(above) * T(dt_s);
-    const Phases<T> z = K::phases(state_);
-    // F(T') = 0 at the plain temperature T'; a change dF due to the parameters moves T' by -dF/F'.
-    typename K::State trial = state_;
-    K::advance(params_.kinetics, trial, {T(plain.temperature_K()), in.stress_Pa});
-    const Phases<T> there = K::phases(trial);
-    const T missing_J = heat_J - plain_J_K * (T(plain.temperature_K()) - before_K) +
-                        body.latent_m2a_J * (there.martensite - z.martensite) +
-                        body.latent_r2a_J * (there.r_phase - z.r_phase);
-    const T goal_K = T(plain.temperature_K()) + derivatives_of(missing_J) / T(plain.capacity_J_K());
-    K::advance(params_.kinetics, state_, {goal_K, in.stress_Pa});
-    const Phases<T> now = K::phases(state_);
-    heat_J_ = heat_J - plain_J_K * (goal_K - before_K) +
-              body.latent_m2a_J * (now.martensite - z.martensite) +
-              body.latent_r2a_J * (now.r_phase - z.r_phase);
+  /// `plain` is the same step of the plain plant.
+  void advance(const BalancedStep& plain, const PlantInput<T>& in, double dt_s) {
+    if constexpr (std::is_floating_point_v<T>) {
+      move({plain.temperature_K, in.stress_Pa});
+    } else {
+      const ThermalBody<T>& body = params_.body;
+      const T before_K = K::drive(state_).temperature_K;
+      const T above = before_K - in.ambient_K;
+      const T heat_J = heat_J_ + (in.power_W - body.loss_W(above)) * T(dt_s);
+      const T plain_J_K = body.capacity_J_K + T(0.5) * body.loss_slope_W_K(above) * T(dt_s);
+      const Phases<T> z = K::phases(state_);
+      // F(T') = 0 at the plain temperature T'; a change dF due to the parameters moves T' by
+      // -dF/F'. The derivatives by T' have an index of their own. When those of T' are known, both
+      // are multiplied and added, so that the step is made only once.
+      move({T(plain.temperature_K, jet_temperature), in.stress_Pa});
+      const Phases<T> there = K::phases(state_);
+      const T missing_J = heat_J - plain_J_K * (T(plain.temperature_K) - before_K) +
+                          body.latent_m2a_J * (there.martensite - z.martensite) +
+                          body.latent_r2a_J * (there.r_phase - z.r_phase);
+      T goal_K = missing_J / T(plain.capacity_J_K);
+      goal_K.a = plain.temperature_K;
+      goal_K.v[jet_temperature] = 0;
+      for_each_number(state_, [&](T& x) {
+        const double by_temperature = x.v[jet_temperature];
+        x.v[jet_temperature] = 0;
+        for (int i = 0; i < jet_width; ++i) {
+          x.v[i] += by_temperature * goal_K.v[i];
+        }
+      });
+      const Phases<T> now = K::phases(state_);
+      heat_J_ = heat_J - plain_J_K * (goal_K - before_K) +
+                body.latent_m2a_J * (now.martensite - z.martensite) +
+                body.latent_r2a_J * (now.r_phase - z.r_phase);
+    }
   }
 
  private:
-  /// The derivatives of x, with the value set to 0.
-  static T derivatives_of(T x) {
-    if constexpr (std::is_floating_point_v<T>) {
-      return T(0);
-    } else {
-      x.a = 0;
-      return x;
+  /// Calls `change` with each number of the state that depends on where the last step went. Of the
+  /// turning points this can only be the newest.
+  template <class Change>
+  static void for_each_number(typename K::State& s, Change change) {
+    for (T* x : {&s.drive.temperature_K, &s.drive.stress_Pa, &s.reached.temperature_K,
+                 &s.reached.stress_Pa, &s.martensite, &s.r_phase, &s.returning, &s.reverse.m2a,
+                 &s.reverse.r2a, &s.forward.r2m}) {
+      change(*x);
     }
+    change_pair(s.forward.a2m_a2r, change);
+    auto& hot = s.hot.newest();
+    for (T* x : {&hot.left.m2a, &hot.left.r2a, &hot.martensite, &hot.r_phase}) {
+      change(*x);
+    }
+    auto& cold = s.cold.newest();
+    change_pair(cold.left.a2m_a2r, change);
+    for (T* x : {&cold.left.r2m, &cold.austenite, &cold.r_phase, &cold.returning}) {
+      change(*x);
+    }
+  }
+  template <class Change>
+  static void change_pair(Pair<T>& pair, Change change) {
+    T first = pair.first();
+    T second = pair.second();
+    change(first);
+    change(second);
+    pair = Pair<T>(first, second);
   }
 
   Params params_;

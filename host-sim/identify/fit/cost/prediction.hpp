@@ -161,10 +161,28 @@ typename Plant<ThreePhase<T>>::Params plant_of(RunKind kind, const Assumed<T>& a
   return plant;
 }
 
-/// Fills `predicted` with an element for each comparison. `plain` has the values of `assumed`
-/// without derivatives. A run starts from a wire that was cooled to its first temperature.
+/// The steps of the plain plant in a run that is heated by current; none in others.
+using Path = std::vector<BalancedStep>;
+inline Path path_of(const FitRun& run, const Assumed<double>& assumed) {
+  Path path;
+  if (run.kind != RunKind::joule || run.after.empty()) {
+    return path;
+  }
+  const Acting<double> acting{run, assumed};
+  BalancedPlant plant(plant_of(run.kind, assumed),
+                      {assumed.here.ambient_K, acting.at(0).stress_Pa});
+  path.reserve(run.after.back() + 1);
+  for (std::size_t i = 0; i <= run.after.back(); ++i) {
+    plant.advance(acting.at(i), run.dt_s[i]);
+    path.push_back({plant.temperature_K(), plant.capacity_J_K()});
+  }
+  return path;
+}
+
+/// Fills `predicted` with an element for each comparison. `path` is the result of path_of() for the
+/// values of `assumed`. A run starts from a wire that was cooled to its first temperature.
 template <class T>
-void predict(const FitRun& run, const Assumed<T>& assumed, const Assumed<double>& plain,
+void predict(const FitRun& run, const Assumed<T>& assumed, const Path& path,
              std::vector<Predicted<T>>& predicted) {
   using K = ThreePhase<T>;
   predicted.clear();
@@ -174,8 +192,6 @@ void predict(const FitRun& run, const Assumed<T>& assumed, const Assumed<double>
     return;
   }
   const Acting<T> acting{run, assumed};
-  const Acting<double> acting_plain{run, plain};
-  const auto plain_params = plant_of(run.kind, plain);
   const T ambient_K = assumed.here.ambient_K;
   const auto settled_K = [&](std::size_t i) {
     return run.kind == RunKind::bath
@@ -185,12 +201,10 @@ void predict(const FitRun& run, const Assumed<T>& assumed, const Assumed<double>
   const bool in_time = run.kind == RunKind::joule;
   const T stress_Pa = acting.at(0).stress_Pa;
   FollowingPlant<T> plant(params, {in_time ? ambient_K : settled_K(0), stress_Pa});
-  BalancedPlant balanced(plain_params, {plain.here.ambient_K, acting_plain.at(0).stress_Pa});
   std::size_t at = 0;
   for (std::size_t i = 0; i < run.stress_Pa.size() && at < run.after.size(); ++i) {
     if (in_time) {
-      balanced.advance(acting_plain.at(i), run.dt_s[i]);
-      plant.advance(balanced, acting.at(i), run.dt_s[i]);
+      plant.advance(path[i], acting.at(i), run.dt_s[i]);
     } else {
       plant.move({settled_K(i), acting.at(i).stress_Pa});
     }

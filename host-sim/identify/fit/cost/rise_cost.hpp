@@ -17,8 +17,11 @@ class RiseCost {
  public:
   explicit RiseCost(const FitProblem& problem) : problem_(problem) {}
 
+  /// It depends on no path.
+  static Path path(const double* /*u*/) { return {}; }
+
   template <class T>
-  void operator()(const T* u, T* residual) const {
+  void operator()(const T* u, const Path& /*path*/, T* residual) const {
     constexpr double fall_sd_K_Pa = 2e-9;
     const auto next = [&](const FitParameter& parameter) { return parameter.value(*u++); };
     const Wire<T> wire = vary_wire<T>(problem_.from, problem_.variant, next);

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <type_traits>
 #include <vector>
 
 #include "host-sim/identify/fit/cost/prediction.hpp"
@@ -90,9 +89,12 @@ class RunCost {
           const Weights& weights)
       : problem_(problem), run_(run), circumstances_(circumstances), weights_(weights) {}
 
+  /// The path of the wire at `u`, which is the same for all derivatives.
+  Path path(const double* u) const { return path_of(run_, assumed(u)); }
+
   template <class T>
-  void operator()(const T* u, T* residual) const {
-    const std::vector<Predicted<T>> predicted = model(u, assumed(u));
+  void operator()(const T* u, const Path& path, T* residual) const {
+    const std::vector<Predicted<T>> predicted = model(assumed(u), path);
     const std::size_t n = run_.after.size();
     const auto term = [](const T& error, double sd, double share) {
       return robust(error / T(sd)) * T(share);
@@ -143,17 +145,11 @@ class RunCost {
     return all;
   }
 
-  /// `all` are the assumptions of the fit at `u`.
+  /// `all` are the assumptions of the fit at the deviations that `path` belongs to.
   template <class T>
-  std::vector<Predicted<T>> model(const T* u, const Assumed<T>& all) const {
+  std::vector<Predicted<T>> model(const Assumed<T>& all, const Path& path) const {
     std::vector<Predicted<T>> predicted;
-    if constexpr (std::is_same_v<T, double>) {
-      predict(run_, all, all, predicted);
-    } else {
-      std::vector<double> values(size());
-      std::transform(u, u + size(), values.begin(), [](const T& x) { return x.a; });
-      predict(run_, all, assumed(values.data()), predicted);
-    }
+    predict(run_, all, path, predicted);
     return predicted;
   }
 
