@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 
-#include "host-sim/campaign/hash.hpp"
+#include "host-sim/hash.hpp"
 #include "model/files/input_file.hpp"
 
 namespace smaservo::campaign {

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 #include <sstream>
 
-#include "host-sim/campaign/hash.hpp"
+#include "host-sim/hash.hpp"
 #include "model/files/error.hpp"
 #include "model/files/input_file.hpp"
 #include "model/files/toml/toml_fields.hpp"

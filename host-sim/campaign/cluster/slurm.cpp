@@ -14,7 +14,7 @@
 #include "hal/linux/system/descriptor.hpp"
 #include "hal/recording/start_program.hpp"
 #include "host-sim/campaign/folder.hpp"
-#include "host-sim/campaign/hash.hpp"
+#include "host-sim/hash.hpp"
 #include "host-sim/shell_word.hpp"
 #include "host-sim/temporary_folder.hpp"
 #include "model/files/error.hpp"

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "firmware/text/settings_file.hpp"
-#include "host-sim/campaign/hash.hpp"
 #include "host-sim/campaign/kinds/kinds.hpp"
+#include "host-sim/hash.hpp"
 #include "host-sim/identify/fit/fit.hpp"
 #include "host-sim/identify/fitted_wire.hpp"
 #include "host-sim/identify/report.hpp"

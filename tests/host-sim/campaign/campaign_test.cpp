@@ -5,7 +5,7 @@
 #include <sys/resource.h>
 #include <thread>
 
-#include "host-sim/campaign/hash.hpp"
+#include "host-sim/hash.hpp"
 #include "tests/host-sim/campaign/small_campaign.hpp"
 
 namespace smaservo::campaign::test {

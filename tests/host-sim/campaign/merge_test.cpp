@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "host-sim/campaign/hash.hpp"
+#include "host-sim/hash.hpp"
 #include "tests/host-sim/campaign/small_campaign.hpp"
 
 namespace smaservo::campaign::test {

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace smaservo::campaign {
+namespace smaservo {
 
 /// FNV-1a with 128 bits. It finds accidents: a file that has changed, a row that was cut off. It is
 /// no protection against somebody who makes two texts with the same hash on purpose.
@@ -20,4 +20,4 @@ class Hash {
 
 std::string hash_of(std::string_view text);
 
-}  // namespace smaservo::campaign
+}  // namespace smaservo

@@ -1,8 +1,8 @@
-#include "host-sim/campaign/hash.hpp"
+#include "host-sim/hash.hpp"
 
 #include <fmt/format.h>
 
-namespace smaservo::campaign {
+namespace smaservo {
 
 // The prime is 2^88 + 0x13B. Products are made of 32 bits, since C++ has no integers of 128.
 void Hash::add(std::string_view text) {
@@ -27,4 +27,4 @@ std::string hash_of(std::string_view text) {
   return hash.hex();
 }
 
-}  // namespace smaservo::campaign
+}  // namespace smaservo
