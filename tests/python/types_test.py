@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import smaservo
-from places import BUILD, TRACES, UNIT_A
+from places import BUILD, SOURCE, TRACES, UNIT_A
 
 HERE = Path(__file__).parent
 PACKAGE = Path(smaservo.__file__).parent
@@ -49,6 +49,11 @@ def test_wrong_types_are_found(tmp_path):
 
 def test_the_package_itself(tmp_path):
     done = mypy(tmp_path, 'mypy', '--strict', '-p', 'smaservo')
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_training_of_a_network(tmp_path):
+    done = mypy(tmp_path, 'mypy', '--strict', str(SOURCE / 'host-sim/papers/gru/train.py'))
     assert done.returncode == 0, done.stdout + done.stderr
 
 

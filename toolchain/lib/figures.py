@@ -36,13 +36,14 @@ class Figure:
     seconds: int
     builds: list = field(default_factory=list)  # targets of the release that the command uses
     alone: bool = False  # measures time: nothing else may run
+    named: bool = False  # another machine makes another one, so it is made only where it is named
     tables: dict = field(default_factory=dict)  # by file: its marks, and what makes the table of what is printed
     drawn_by: list = field(default_factory=list)  # of a picture: the style and the drawing of what it shows
     curves: str = ''  # of a picture: a file with the numbers of its curves
 
     @property
     def usual(self):
-        return self.kind != 'copied' and self.seconds <= LONGEST_S and not self.alone
+        return self.kind != 'copied' and self.seconds <= LONGEST_S and not self.alone and not self.named
 
 
 def rows_of_traces(printed):
@@ -124,6 +125,15 @@ FIGURES = {
         'eds:smaservo.eds dbc:smaservo.dbc; do '
         f'../../{HOST_SIM} describe ${{page%:*}} >${{page#*:}}; done',
         1, ['host-sim']),
+    'gru': Figure(
+        'written', "compare's recurrent network, trained on four of the project's traces",
+        ['host-sim/papers/gru/traces.json', 'tests/golden/gru_strains.csv'],
+        'export PYTHONPATH=build/release/host-sim/python && traces=host-sim/traces && '
+        '/usr/bin/python3 host-sim/papers/gru/train.py --set wire.length_mm=100.6 '
+        '--out host-sim/papers/gru/traces.json '
+        '$traces/10MPa.csv $traces/50MPa.csv $traces/150MPa.csv $traces/400MPa.csv && '
+        "SMASERVO_REWRITE_GOLDEN=1 ctest --test-dir build/release -R '^Python[.]Gru$'",
+        80, ['host-sim', 'smaservo_python'], named=True),
     'random': Figure(
         'written', 'temperature in 10 000 random scenarios', ['firmware/README.md'],
         f'{HOST_SIM} evaluate --closed-loop --units 1 --wires tests/golden/evaluate --random 10000 '

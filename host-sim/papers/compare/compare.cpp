@@ -24,7 +24,7 @@ double usual_share(std::string_view system) {
   };
   constexpr Usual all[] = {{"Duhem", 0.01},    {"Liang-Rogers", 0.08}, {"fit", 0.11},
                            {"Preisach", 0.97}, {"ihyp", 0.99},         {"ihyp observer", 0.99},
-                           {"tests", 0.99}};
+                           {"GRU", 0.99},      {"tests", 0.99}};
   const auto* const found = std::ranges::find(all, system, &Usual::system);
   return found == std::end(all) ? 0 : found->share;
 }
@@ -105,9 +105,10 @@ identify::Run placed(identify::Run run, const Wire<double>& from) {
   return run;
 }
 
-std::vector<Compared> identify_all(const files::WireDescription& from,
-                                   const std::vector<identify::Run>& measured, int threads,
-                                   const Progress& progress) {
+std::vector<Compared> identify_all(const files::WireDescription& from, const Comparison& runs,
+                                   int threads, const Progress& progress,
+                                   const std::optional<gru::Network>& network) {
+  const std::vector<identify::Run>& measured = runs.training;
   std::vector<identify::Run> training;
   training.reserve(measured.size());
   for (const identify::Run& run : measured) {
@@ -138,6 +139,9 @@ std::vector<Compared> identify_all(const files::WireDescription& from,
   });
   systems.add("ihyp", [&] { return with_own(ihyp_alone); });
   systems.add("ihyp observer", [&] { return with_own(ihyp_observer); });
+  if (network) {
+    systems.add("GRU", [&] { return recurrent_network(*network, measured, runs.tests); });
+  }
   return systems.all;
 }
 
@@ -217,7 +221,8 @@ void test(Compared& one, const Comparison& comparison) {
 }  // namespace
 
 Comparison compare(const files::WireDescription& from, std::vector<identify::Run> training,
-                   std::vector<identify::Run> tests, int threads, const Progress& progress) {
+                   std::vector<identify::Run> tests, int threads, const Progress& progress,
+                   const std::optional<gru::Network>& network) {
   Comparison comparison{
       from.name, from.wire.nominal_stroke, std::move(training), std::move(tests), {}, {}, {}};
   for (const std::vector<identify::Run>* runs : {&comparison.training, &comparison.tests}) {
@@ -227,7 +232,7 @@ Comparison compare(const files::WireDescription& from, std::vector<identify::Run
     comparison.free_zero.push_back(!identify::zero_known(run.strain));
     comparison.beyond.push_back(beyond(run, comparison.training));
   }
-  comparison.systems = identify_all(from, comparison.training, threads, progress);
+  comparison.systems = identify_all(from, comparison, threads, progress, network);
   progress("tests", usual_share("tests"));
   bool any = false;
   for (Compared& one : comparison.systems) {

@@ -2,6 +2,7 @@
 // Identifies all systems on the same training runs, and tests them on the same test runs.
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,9 +51,11 @@ using Progress = std::function<void(std::string_view system, double share)>;
 /// a displacement, which has its own zero, the median error of every system is subtracted. A
 /// training run with such a strain is moved so that its longest wire is as long as `from` at rest
 /// under that load. Throws UserError for runs other than of Joule heating or in a bath, for a
-/// training or test run without strain, and if not even one system could be identified.
+/// training or test run without strain, and if not even one system could be identified. A trained
+/// `network` is one system more.
 Comparison compare(const files::WireDescription& from, std::vector<identify::Run> training,
-                   std::vector<identify::Run> tests, int threads, const Progress& progress);
+                   std::vector<identify::Run> tests, int threads, const Progress& progress,
+                   const std::optional<gru::Network>& network = {});
 
 std::string comparison_text(const Comparison& comparison);
 std::string comparison_json(const Comparison& comparison);

@@ -22,7 +22,7 @@ struct CompareArguments {
   std::vector<std::string> training, tests;
   std::string from{files::default_wire};
   std::vector<std::string> settings, columns, allowed;
-  std::string out, report;
+  std::string gru, out, report;
   Units units = Units::bench;
   bool json = false;
   int threads = 0;  ///< 0: as many as there are cores
@@ -64,6 +64,10 @@ void check_files(const CompareArguments& a) {
     refuse_to_overwrite(a.from, a.out);
     refuse_to_overwrite(a.from, a.report);
   }
+  if (!a.gru.empty()) {
+    refuse_to_overwrite(a.gru, a.out);
+    refuse_to_overwrite(a.gru, a.report);
+  }
   refuse_repeats("--train", a.training);
   refuse_repeats("--test", a.tests);
   for (const std::string& run : a.tests) {
@@ -98,6 +102,10 @@ void run(const CompareArguments& a) {
   const files::WireDescription from = files::load_wire(a.from, text::parse_settings(a.settings));
   require("--stress-MPa", a.stress_MPa, 0, 1e4);
   require("--load-N", a.load_N, 0, 1e5);
+  std::optional<gru::Network> network;
+  if (!a.gru.empty()) {
+    network = gru::load_network(a.gru);
+  }
   identify::RunOptions options{from.wire.geometry, {}, a.load_N, {}};
   if (a.stress_MPa) {
     options.stress_Pa = 1e6 * *a.stress_MPa;
@@ -112,11 +120,13 @@ void run(const CompareArguments& a) {
   Comparison comparison;
   {
     files::Progress line("compare");
-    comparison = compare(from, std::move(training), std::move(tests), threads,
-                         [&](std::string_view system, double share) {
-                           line.name(fmt::format("compare, {}", system));
-                           line.update_share(share);
-                         });
+    comparison = compare(
+        from, std::move(training), std::move(tests), threads,
+        [&](std::string_view system, double share) {
+          line.name(fmt::format("compare, {}", system));
+          line.update_share(share);
+        },
+        network);
   }
   if (!a.out.empty()) {
     files::OutputFile file(a.out);
@@ -153,6 +163,7 @@ void add_compare_command(CLI::App& app) {
       ->add_option("--set", a->settings,
                    "key=value of the wire, such as wire.length_mm=120; repeatable")
       ->allow_extra_args(false);
+  command->add_option("--gru", a->gru, "also test a recurrent network (host-sim/papers/gru)");
   command->add_option("--column", a->columns, column_help)->allow_extra_args(false);
   command->add_option("--allow", a->allowed, checks::allow_help)->allow_extra_args(false);
   command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host-sim/identify/runs/run.hpp"
+#include "host-sim/papers/gru/network.hpp"
 #include "model/wire/wire.hpp"
 
 namespace smaservo::compare {
@@ -54,5 +55,11 @@ System preisach(const IdentifiedWire& identified, const std::vector<identify::Ru
 /// The project's model alone, and its observer.
 System ihyp_alone(const IdentifiedWire& identified);
 System ihyp_observer(const IdentifiedWire& identified);
+
+/// A network that was trained elsewhere, at its own steps, from resistance, power and stress; none
+/// in a bath. A row without a resistance holds the last strain. The remark says which of the tests
+/// it was trained on, and if it was not trained on the training runs alone.
+System recurrent_network(const gru::Network& network, const std::vector<identify::Run>& training,
+                         const std::vector<identify::Run>& tests);
 
 }  // namespace smaservo::compare

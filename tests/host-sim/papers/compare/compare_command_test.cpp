@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <thread>
 
+#include "tests/host-sim/papers/gru/small_network.hpp"
 #include "tests/host-sim/program.hpp"
 #include "tests/host-sim/recordings.hpp"
 #include "tests/host-sim/replay/replays.hpp"
@@ -60,6 +61,20 @@ TEST_F(CompareCommand, WritesWhatItIsAskedFor) {
   const auto json = nlohmann::json::parse(file_text(program.folder() / "c.json"));
   EXPECT_EQ(json["systems"].size(), 9U);
   EXPECT_THAT(file_text(program.folder() / "r.html"), HasSubstr("<h2>t.csv: Duhem</h2>"));
+}
+
+TEST_F(CompareCommand, ANetworkIsOneSystemMore) {
+  const Finished without = run({});
+  program.folder().write("gru.json", small_network().dump());
+  const Finished f = run({"--gru", "gru.json", "--out", "c.json"});
+  ASSERT_EQ(f.status, 0) << f.err;
+  EXPECT_THAT(without.out, Not(HasSubstr("GRU")));
+  EXPECT_THAT(f.out, HasSubstr("\nGRU "));
+  EXPECT_THAT(f.out, HasSubstr("\nGRU: no estimate: the tests lack what it needs.")) << "in a bath";
+  const auto json = nlohmann::json::parse(file_text(program.folder() / "c.json"));
+  ASSERT_EQ(json["systems"].size(), 10U);
+  EXPECT_EQ(json["systems"][9]["name"], "GRU");
+  EXPECT_EQ(json["systems"][9]["parameters"], 17);
 }
 
 TEST_F(CompareCommand, ListsWhatCanNotBeIdentifiedWithTheReason) {
@@ -116,6 +131,8 @@ TEST_F(CompareCommand, MistakesEndWith1BeforeAnythingIsDone) {
   std::filesystem::create_symlink("a.csv", program.folder() / "link.csv");
   std::filesystem::create_directory(program.folder() / "folder");
   program.folder().write("w.toml", "");
+  program.folder().write("gru.json", small_network().dump());
+  program.folder().write("other.json", "{}");
   const std::vector<std::string> before = program.folder().names();
   const std::pair<Texts, const char*> wrong[] = {
       {{"--train", "a.csv"}, "--train a.csv: is given twice"},
@@ -128,6 +145,12 @@ TEST_F(CompareCommand, MistakesEndWith1BeforeAnythingIsDone) {
       {{"--out", "./t.csv"}, "./t.csv: is the same file as t.csv"},
       {{"--report", "link.csv"}, "link.csv: is the same file as a.csv"},
       {{"--from", "w.toml", "--out", "w.toml"}, "w.toml: is the same file as w.toml"},
+      {{"--gru", "missing.json"}, "missing.json: cannot be read: No such file"},
+      {{"--gru", "other.json"}, "other.json: format: is missing"},
+      {{"--gru", "a.csv"}, "a.csv: is no JSON"},
+      {{"--gru", "folder"}, "folder: cannot be read: it is a folder"},
+      {{"--gru", "gru.json", "--out", "./gru.json"}, "./gru.json: is the same file as gru.json"},
+      {{"--gru", "gru.json", "--report", "gru.json"}, "gru.json: is the same file as gru.json"},
       {{"--out", "x", "--report", "x"}, "x: is the same file as x"},
       {{"--out", "missing/c.json"}, "missing/c.json: cannot be written: No such file"},
       {{"--report", "missing/r.html"}, "missing/r.html: cannot be written: No such file"},
