@@ -105,6 +105,9 @@ def test_a_run_of_a_second_is_enough(tmp_path):
     before = short.read_text()
     done = run_program(sys.executable, *words, short)
     assert done.returncode == 1 and 'is one of the runs' in done.stderr and short.read_text() == before
+    os.mkfifo(tmp_path / 'pipe')
+    done = run_program(sys.executable, *words, tmp_path / 'pipe')
+    assert done.returncode == 1 and 'is a folder or a device' in done.stderr and (tmp_path / 'pipe').is_fifo()
 
 
 def test_a_displacement_is_placed_by_its_air_and_by_rows_that_have_one():
@@ -124,6 +127,7 @@ def test_a_displacement_is_placed_by_its_air_and_by_rows_that_have_one():
     ([TRACES / '10MPa.csv', '--set', 'wire.length_mm', '--out', 'x.json'], 'must be KEY=VALUE'),
     ([TRACES / '10MPa.csv', '--set', 'wire.colour=3', '--out', 'x.json'], 'wire.colour'),
     ([TRACES / '10MPa.csv', '--epochs', '1', '--out', 'none/x.json'], 'none/x.json: cannot be written'),
+    ([TRACES / '10MPa.csv', '--out', '.'], '--out .: is a folder or a device'),
 ])
 def test_what_cannot_be_used_is_named(words, said):
     done = run_program(sys.executable, FOLDER / 'train.py', *words)

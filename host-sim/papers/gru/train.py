@@ -435,6 +435,8 @@ def check_output(path: Path, runs: Sequence[str]) -> None:
     for one in runs:
         if path.resolve() == Path(one).resolve():
             raise Refused(f'--out {path}: is one of the runs')
+    if path.exists() and not path.is_file():
+        raise Refused(f'--out {path}: is a folder or a device; give the name of a file')
     if not path.parent.is_dir():
         raise Refused(f'{path}: cannot be written: there is no folder {path.parent}')
 
