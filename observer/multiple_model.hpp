@@ -177,6 +177,7 @@ struct MultipleModelFilter {
   /// Not inline: its estimate would lie on the stack while a filter makes a step.
   [[gnu::noinline]] static void fade(const Params& p, State& s, const Measurement<S>& m,
                                      const S& dt_s);
+  static std::size_t most_usual(const State& s);
   static bool strayed(const Params& p, const State& s);
   static void set_out(State& s);
   static void walk(const Params& p, State& s, const Measurement<S>& m);
@@ -504,12 +505,29 @@ void MultipleModelFilter<S>::fade(const Params& p, State& s, const Measurement<S
       estimate(s).health == Health::good) {
     return;
   }
+  const std::size_t kept = s.air_moved ? most_usual(s) : s.leader;
   for (std::size_t i = 0; i < hypotheses; ++i) {
-    if (i != s.leader) {
+    if (i != kept) {
       s.log_likelihood[i] -= dt_s / fades_s;
       s.log_weight[i] -= dt_s / fades_s;
     }
   }
+}
+
+/// Where the air has moved log_weight knows nothing of the loss. Of hypotheses between which the
+/// resistance does not decide the one counts whose loss is nearest to the calibrated one: ½ ln²
+/// (loss)/0.7², with (loss - 1)²/loss for ln².
+template <class S>
+std::size_t MultipleModelFilter<S>::most_usual(const State& s) {
+  const auto weight = [&](std::size_t i) {
+    const S loss = s.filter[i].loss;
+    return s.log_weight[i] - (loss + S(1) / loss - S(2));
+  };
+  std::size_t best = s.leader;
+  for (std::size_t i = 0; i < hypotheses; ++i) {
+    best = is_alive(s, i) && weight(best) < weight(i) ? i : best;
+  }
+  return best;
 }
 
 template <class S>

@@ -509,6 +509,38 @@ TEST(MultipleModel, HeatEndsASearchThatTheResistanceDoesNotDecide) {
   EXPECT_LT(greatest_step, 2e-4) << "the estimate jumps";
 }
 
+/// A fan that stops again: one hypothesis takes the wire for cooled as it was calibrated, the
+/// others for cooled much less, and the resistance does not decide.
+TEST(MultipleModel, WhereAirHasMovedHeatKeepsTheUsualLoss) {
+  for (const bool leads : {true, false}) {
+    Undecided held;
+    while (held.s.unopened > 0) {
+      held.advance(held.read(held.hold_W));
+    }
+    MultipleModel::State& s = held.s;
+    ASSERT_GE(MultipleModel::alive(s), 3);
+    s.air_moved = true;
+    s.heat_J = 10 * held.heat_needed_J();
+    std::size_t usual = 0;
+    for (std::size_t i = 0; i < s.filter.size(); ++i) {
+      usual = (s.alive >> i & 1U) != 0 ? i : usual;
+    }
+    ASSERT_NE(usual, std::size_t{s.leader});
+    s.leader = leads ? static_cast<std::uint8_t>(usual) : s.leader;
+    for (std::size_t i = 0; i < s.filter.size(); ++i) {
+      s.filter[i].loss_range = 3;
+      s.filter[i].loss = i == usual ? 1.05 : 0.4;
+      s.log_likelihood[i] = i == usual && !leads ? -0.5 : 0;
+      s.log_weight[i] = s.log_likelihood[i];
+    }
+    for (int i = 0; i < 600; ++i) {
+      held.advance(held.read(held.hold_W));
+    }
+    EXPECT_EQ(std::size_t{s.leader}, usual) << leads;
+    EXPECT_FALSE(held.searching()) << leads;
+  }
+}
+
 TEST(MultipleModel, NeitherColdNorBlindTimeEndsASearch) {
   Undecided cold;
   Undecided blind;
