@@ -7,6 +7,7 @@
 
 #include "host-sim/campaign/campaign_command.hpp"
 #include "host-sim/can/can_command.hpp"
+#include "host-sim/choose/choose_command.hpp"
 #include "host-sim/convert/convert_command.hpp"
 #include "host-sim/describe/describe_command.hpp"
 #include "host-sim/evaluate/evaluate_command.hpp"
@@ -50,6 +51,7 @@ int run_host_sim(int argc, char** argv) {
   plan::add_calibrate_plan_command(app);
   campaign::add_campaign_command(app);
   can::add_can_command(app);
+  choose::add_choose_command(app);
   compare::add_compare_command(app);
   convert::add_convert_command(app);
   describe::add_describe_command(app);

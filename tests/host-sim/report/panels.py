@@ -29,7 +29,7 @@ from PIL import Image
 WIDTH = 1100
 PROGRAMS = ("chromium", "firefox-esr", "node", "npm", "pdftotext")
 KINDS = ("replay", "inspect", "simulate", "tune", "figures", "can step", "calibrate-plan", "identify", "compare",
-         "campaign")
+         "campaign", "choose")
 # What a browser may do differently it does so for a type of panel, and these have all types.
 KINDS_OF = {"chromium": KINDS, "firefox": ("replay", "inspect", "simulate", "tune", "figures")}
 PRINTED = {"chromium": KINDS, "firefox": ("figures",)}  # of pictures, some below a plot and some not
@@ -99,6 +99,7 @@ def write_report(kind, host_sim, smaservod, sources, folder):
         "identify": ["identify", "--from", "smartflex-76um", "--out", "wire.toml", "heated.csv"],
         "compare": ["compare", "--train", "train.csv", "--test", "test.csv", "--out", "compare.json"],
         "campaign": ["campaign", "campaign.toml", "--out", "campaign"],
+        "choose": ["choose", "--force-N", "5", "--stroke-mm", "4"],
     }
     page = folder / f"{kind.replace(' ', '-')}.html"
     if kind == "can step":
