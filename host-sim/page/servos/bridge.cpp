@@ -160,6 +160,7 @@ void Bridge::stop() {
   } catch (const std::exception& error) {
     files::complain("host-sim", error.what());
   }
+  background_.finish();
   sink_ = nullptr;
 }
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <set>
 
+#include "host-sim/background.hpp"
 #include "host-sim/page/servos/messages/exports.hpp"
 #include "host-sim/page/servos/operations.hpp"
 #include "host-sim/page/servos/traffic/off_switch.hpp"
@@ -97,6 +98,7 @@ class Bridge final : public Source, private TrafficEvents {
   void ticked(std::int64_t now_us) override;
 
   // Defined in bridge_services.cpp.
+  void choose(const nlohmann::json& request, const Reply& reply);
   bool call_at_once(const Caller& caller, const std::string& service, const nlohmann::json& request,
                     const Reply& reply);
   void queue(const Caller& caller, const std::string& service, const nlohmann::json& request,
@@ -169,6 +171,7 @@ class Bridge final : public Source, private TrafficEvents {
   std::map<std::uint32_t, unsigned> wanted_;  ///< number of clients for each channel
   std::set<std::uint32_t> gone_clients_;
   NodeSet all_nodes_;
+  Background background_;  ///< for what takes long and needs no bus
 };
 
 }  // namespace smaservo::page

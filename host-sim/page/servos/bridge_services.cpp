@@ -11,6 +11,7 @@
 
 #include "firmware/text/fault_reference.hpp"
 #include "host-sim/can/bus/network.hpp"
+#include "host-sim/choose/output.hpp"
 #include "host-sim/page/servos/bridge.hpp"
 #include "host-sim/page/servos/messages/requests.hpp"
 #include "host-sim/page/servos/messages/schemas.hpp"
@@ -26,6 +27,7 @@ using nlohmann::json;
 
 enum class Kind : std::uint8_t {
   at_once,   ///< needs no bus
+  apart,     ///< needs no bus, and takes long
   rights,    ///< changes who has control, or stops
   reading,   ///< allowed for any client
   changing,  ///< allowed for any client that is not read-only
@@ -63,6 +65,10 @@ constexpr auto service_rows = std::to_array<ServiceRow>({
     {"store", Kind::writing, "node:integer"},
     {"restore", Kind::writing, "node:integer toml:string"},
     {"step", Kind::writing, "node:integer amplitude_um:number seconds:number"},
+    {"choose", Kind::apart,
+     "force_N:number stroke_m:number time_s:number length_m?:number supply_V?:number "
+     "ambient_K?:number fan_m_s?:number one_way?:boolean spring_N?:number spring_N_m?:number "
+     "life?:string parallel?:integer"},
 });
 
 constexpr std::size_t most_points = 20'000;
@@ -108,11 +114,30 @@ void Bridge::call(Caller caller, std::uint32_t service, std::string request,
     if (row.kind == Kind::changing && caller.read_only) {
       throw UserError(read_only_refusal);
     }
-    if (!call_at_once(caller, row.name, parsed, reply)) {
+    if (row.kind == Kind::apart) {
+      choose(parsed, reply);
+    } else if (!call_at_once(caller, row.name, parsed, reply)) {
       queue(caller, row.name, parsed, reply);
     }
   } catch (const std::exception& error) {
     reply({false, error.what()});
+  }
+}
+
+/// Computes in a thread of its own: neither the bus nor other clients wait.
+void Bridge::choose(const json& request, const Reply& reply) {
+  const bool begun = background_.run([this, task = chosen_task(request), reply] {
+    Answer answer{true, ""};
+    try {
+      answer.text = json_text(
+          choose::json(choose::choose_wires(task, [this] { return background_.ended(); })));
+    } catch (const std::exception& error) {
+      answer = {false, error.what()};
+    }
+    reply(answer);
+  });
+  if (!begun) {
+    throw UserError("choose: too many ask at once; try again");
   }
 }
 

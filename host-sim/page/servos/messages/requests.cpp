@@ -9,6 +9,7 @@
 #include "host-sim/page/servos/messages/tables.hpp"
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::page {
 
@@ -50,6 +51,49 @@ std::string text_in(const json& request, const char* name) {
     throw UserError(fmt::format("{}: must be a string", name));
   }
   return found->get<std::string>();
+}
+
+choose::Task chosen_task(const json& request) {
+  constexpr double any = 1e12;  // choose_wires() knows the ranges
+  const auto optional = [&](const char* name) {
+    return request.contains(name) ? std::optional(number_in(request, name, -any, any))
+                                  : std::nullopt;
+  };
+  choose::Task task{.force_N = number_in(request, "force_N", -any, any),
+                    .stroke_m = number_in(request, "stroke_m", -any, any),
+                    .time_s = number_in(request, "time_s", -any, any),
+                    .length_m = optional("length_m"),
+                    .spring = {},
+                    .supply_V = optional("supply_V"),
+                    .ambient_K = optional("ambient_K").value_or(room_K)};
+  if (const auto fan_m_s = optional("fan_m_s")) {
+    task.fan_m_s = *fan_m_s;
+  }
+  const auto preload_N = optional("spring_N");
+  const auto rate_N_m = optional("spring_N_m");
+  if (preload_N.has_value() != rate_N_m.has_value()) {
+    throw UserError("spring_N and spring_N_m: one needs the other");
+  }
+  if (preload_N) {
+    task.spring = choose::Spring{*preload_N, *rate_N_m};
+  }
+  if (request.contains("one_way")) {
+    if (!request["one_way"].is_boolean()) {
+      throw UserError("one_way: must be true or false");
+    }
+    task.one_way = request["one_way"].get<bool>();
+  }
+  if (request.contains("life")) {
+    task.life = choose::life_of(text_in(request, "life"));
+  }
+  if (request.contains("parallel")) {
+    const double parallel = number_in(request, "parallel", 1, choose::most_parallel);
+    if (parallel != std::floor(parallel)) {
+      throw UserError("parallel: must be a whole number");
+    }
+    task.parallel = static_cast<int>(parallel);
+  }
+  return task;
 }
 
 can::RecordingPlan recording_plan(const json& request, double longest_s) {

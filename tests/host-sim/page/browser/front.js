@@ -427,6 +427,8 @@ const tests = {
       await until(`the past of ${plot}`, async () => (await coloured(view, `plot-${plot}`)) > 50);
     }
   },
+
+  ...require('./choose.js'),
 };
 
 async function passes(view, bridge, title, test) {

@@ -9,6 +9,20 @@ const { MessageReader } = require('@foxglove/rosmsg2-serialization');
 const assert = require('node:assert/strict');
 
 module.exports = {
+  async 'a wire is chosen by the bridge'({ view }) {
+    await connected(view);
+    await view.getByTestId('tab-choose').click();
+    await view.getByTestId('choose-force').fill('3');
+    await view.getByTestId('choose-find').click();
+    const rows = view.getByTestId('choose-wire');
+    await rows.first().waitFor();
+    assert.match(await view.getByTestId('choose-wires').innerText(), /flexinol-lt-0\.15mm/);
+    await view.getByTestId('choose-time').fill('0.0001');
+    await view.getByTestId('choose-find').click();
+    await view.getByTestId('choose-refused').waitFor();
+    assert.match(await view.getByTestId('choose-refused').innerText(), /time_s = 0\.0001: must be between/);
+  },
+
   // PlotJuggler's plugin asks for this subprotocol, and takes only channels of this encoding.
   async 'PlotJuggler gets the values that the page gets'({ view, world }) {
     await connected(view);

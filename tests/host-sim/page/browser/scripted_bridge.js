@@ -32,6 +32,7 @@ const services = [
   'step',
   'record',
   'export',
+  'choose',
 ];
 
 const si = (unit) => ({ unit, factor: 1, offset: 0 });

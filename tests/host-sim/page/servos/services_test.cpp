@@ -1,11 +1,14 @@
 // What clients ask, and what they get.
 
 #include <fmt/format.h>
+#include <future>
 #include <set>
 
 #include "firmware/text/canopen/objects.hpp"
 #include "hal/recording/mcap/rows_reader.hpp"
+#include "host-sim/choose/output.hpp"
 #include "host-sim/page/servos/messages/tables.hpp"
+#include "model/units.hpp"
 #include "tests/host-sim/page/servos/page_servos.hpp"
 
 namespace smaservo::page {
@@ -128,8 +131,41 @@ TEST_F(PageServos, RequestsAreCheckedBeforeAnythingMoves) {
   EXPECT_THAT(refused("export", R"({"recording":3,"as":"csv"})"), HasSubstr("not kept"));
   EXPECT_THAT(refused("export", R"({"recording":[],"as":"csv"})"), HasSubstr("must be what"));
   EXPECT_THAT(refused("export", R"({"recording":3,"as":"xls"})"), HasSubstr("must be csv or mcap"));
+  EXPECT_THAT(refused("choose", R"({"force_N":5,"time_s":1})"), HasSubstr("stroke_m is missing"));
+  EXPECT_THAT(refused("choose", R"({"force_N":"5","stroke_m":1,"time_s":1})"),
+              HasSubstr("force_N = \"5\": must be a number"));
+  EXPECT_THAT(refused("choose", R"({"force_N":5,"stroke_m":1,"time_s":1,"spring_N":1})"),
+              HasSubstr("spring_N_m: one needs the other"));
+  EXPECT_THAT(refused("choose", R"({"force_N":5,"stroke_m":1,"time_s":1,"life":"eternal"})"),
+              HasSubstr("life = eternal"));
+  EXPECT_THAT(refused("choose", R"({"force_N":5,"stroke_m":1,"time_s":1,"parallel":1.5})"),
+              HasSubstr("whole"));
+  EXPECT_THAT(refused("choose", R"({"force_N":5,"stroke_m":1,"time_s":1,"one_way":1})"),
+              HasSubstr("true or false"));
   EXPECT_EQ(bench.id_of("nonsense"), 0U);
   EXPECT_THAT(refused("nonsense", "{}"), HasSubstr("no such service"));
+}
+
+TEST_F(PageServos, ChoosesAWireWithoutTheBus) {
+  const auto chosen = [&](const char* request) {
+    std::promise<Answer> answered;
+    bench.bridge.call({.client = 1, .read_only = true}, bench.id_of("choose"), request,
+                      [&](const Answer& answer) { answered.set_value(answer); });
+    return answered.get_future().get();
+  };
+  const Answer good = chosen(R"({"force_N":5,"stroke_m":0.004,"time_s":0.5,"life":"long"})");
+  ASSERT_TRUE(good.ok) << good.text;
+  const choose::Task task{.force_N = 5,
+                          .stroke_m = 0.004,
+                          .time_s = 0.5,
+                          .length_m = {},
+                          .spring = {},
+                          .supply_V = {},
+                          .ambient_K = room_K};
+  EXPECT_EQ(json::parse(good.text), json(choose::json(choose::choose_wires(task))));
+  const Answer bad = chosen(R"({"force_N":5,"stroke_m":-1,"time_s":0.5})");
+  EXPECT_FALSE(bad.ok);
+  EXPECT_THAT(bad.text, HasSubstr("stroke_mm = -1000: must be between"));
 }
 
 TEST_F(PageServos, StepsAndRecordsAndExports) {

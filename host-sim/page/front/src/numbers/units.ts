@@ -25,11 +25,12 @@ export type Quantity =
   | 'A'
   | 'W'
   | 'm' // a way
-  | 'wire_m' // the length of a wire
+  | 'wire_m' // the length of a wire, and the stroke that one is chosen for
   | 'm_s'
   | 'ohm'
   | 'V'
   | 'N'
+  | 'N_m' // the rate of a spring
   | 'share' // a strain, a share of something
   | 'response_s'; // a time of a response
 
@@ -45,6 +46,7 @@ const bench: Record<Quantity, Shown> = {
   ohm: { unit: 'Ω', factor: 1, offset: 0, smallest: 0.02 },
   V: { unit: 'V', factor: 1, offset: 0, smallest: 0.1 },
   N: { unit: 'N', factor: 1, offset: 0, smallest: 0.1 },
+  N_m: { unit: 'N/mm', factor: 1e-3, offset: 0 },
   share: { unit: '%', factor: 100, offset: 0, smallest: 0.1 },
   response_s: { unit: 'ms', factor: 1e3, offset: 0 },
 };
@@ -61,6 +63,7 @@ const units: Record<Quantity, string> = {
   ohm: 'Ω',
   V: 'V',
   N: 'N',
+  N_m: 'N/m',
   share: '',
   response_s: 's',
 };

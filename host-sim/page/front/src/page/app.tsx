@@ -1,6 +1,7 @@
 import { useEffect } from 'preact/hooks';
 import { at } from '../session/route';
 import { bridge, link, lostReason, nodes, state } from '../session/session';
+import { ChooseView } from './choose/choose_view';
 import { GuideView } from './guide/guide_view';
 import { Header, narrow, UnitsChoice } from './header';
 import { LiveView } from './live/live_view';
@@ -15,6 +16,7 @@ const views = [
   { id: 'step', title: 'Step test', view: StepView },
   { id: 'state', title: 'State', view: StateView },
   { id: 'guide', title: 'First run', view: GuideView },
+  { id: 'choose', title: 'Choose a wire', view: ChooseView },
 ] as const;
 
 export function App() {

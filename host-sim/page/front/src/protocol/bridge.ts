@@ -124,3 +124,40 @@ export interface Difference {
   file: Value;
   node: Value;
 }
+
+/** What the service `choose` answers. */
+export interface Choice {
+  wires: ChosenWire[]; ///< those that do it, the best first
+  others: { wire: string; why: string }[];
+}
+
+export interface ChosenWire {
+  wire: string;
+  parallel: number; ///< how many side by side
+  length_m: number;
+  strain: number;
+  stress_Pa: number;
+  cold_stress_Pa: number;
+  current_A: number;
+  voltage_V: number;
+  power_W: number;
+  hold_current_A: number;
+  hottest_K: number;
+  overheats_s: number | null; ///< null: the current may stay on
+  back_still_s: number | null; ///< null: it does not come back in that air
+  back_fan_s: number | null;
+  spring_N: number | null;
+  spring_N_m: number | null;
+  cycles: string;
+  note: string;
+  course: Course;
+}
+
+/** Heated, then cooling in still air; with the fan on times of its own. */
+export interface Course {
+  time_s: number[];
+  contraction_m: number[];
+  temperature_K: number[];
+  fan_time_s: number[];
+  fan_contraction_m: number[];
+}
