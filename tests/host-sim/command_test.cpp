@@ -59,12 +59,19 @@ TEST(Command, HelpExplainsEverySubCommand) {
   const Texts commands = sub_commands(help.out);
   EXPECT_THAT(commands, IsSupersetOf({"can", "replay", "wires"}));
   const std::string readme = file_text(test::source_folder() + "/host-sim/README.md");
+  const std::string manual = file_text(test::source_folder() + "/toolchain/package/host-sim.1");
   for (const std::string& command : commands) {
     const Finished own = program.run({command, "--help"});
     EXPECT_EQ(own.status, 0) << command;
     EXPECT_GT(own.out.size(), 200U) << command;
     EXPECT_NE(readme.find("\n| `" + command + "` | "), std::string::npos)
         << "host-sim/README.md has no row for " << command;
+    std::string in_roff = command;
+    for (std::size_t at = 0; (at = in_roff.find('-', at)) != std::string::npos; at += 2) {
+      in_roff.insert(at, 1, '\\');
+    }
+    EXPECT_NE(manual.find("\n.B " + in_roff + "\n"), std::string::npos)
+        << "toolchain/package/host-sim.1 has no entry for " << command;
   }
   EXPECT_THAT(program.run({"--version"}).out, Not(IsEmpty()));
 }
