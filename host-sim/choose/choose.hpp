@@ -44,10 +44,11 @@ struct Suitable {
   std::string wire;  ///< its preset
   int parallel;      ///< number of wires side by side
   double length_m;
-  double strain;                         ///< stroke over length
-  double stress_Pa, cold_stress_Pa;      ///< contracted, and cold
-  double current_A, voltage_V, power_W;  ///< of all wires together, while they contract
-  double hold_A;                         ///< what holds them contracted, in still air
+  double strain;                     ///< stroke over length
+  double stress_Pa, cold_stress_Pa;  ///< contracted, and cold
+  double current_A;                  ///< through each wire, while it contracts
+  double voltage_V, power_W;         ///< the greatest meanwhile, of all wires together
+  double hold_A;                     ///< what holds them contracted, in still air
   double hottest_K;
   std::optional<double> overheats_s;               ///< as Contracted has it
   std::optional<double> back_still_s, back_fan_s;  ///< time until 95 % of the stroke is back
