@@ -42,7 +42,14 @@ TEST(IdentifyRPhase, ThatReturnsCloseToWhereItCameIsFound) {
     const Isobar<double> at = isobar(r2a, 10e6);
     return at.start_K + at.shape.turning / at.per_K;
   };
-  EXPECT_NEAR(middle_K(found.wire.kinetics.r2a), middle_K(wire.kinetics.r2a), 1.5);
+  // Where the search ends differs by machine: mathematical libraries choose other instructions, and
+  // the cost has kinks. How far it may be off, the fit says itself; M2A is 15 K away.
+  const auto r2a = std::ranges::find_if(found.parameters, [](const auto& fitted) {
+    return fitted.parameter.key == "wire.r2a.temperature";
+  });
+  ASSERT_NE(r2a, found.parameters.end());
+  EXPECT_LT(r2a->sd, 3);
+  EXPECT_NEAR(middle_K(found.wire.kinetics.r2a), middle_K(wire.kinetics.r2a), 2 * r2a->sd);
   const identify::FitResult as_m2a = identify::fit_wire(type, runs, {.variants = false});
   EXPECT_LT(resistance_error(found), 0.5 * resistance_error(as_m2a));
 }
