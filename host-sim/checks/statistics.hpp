@@ -21,6 +21,17 @@ inline Values known(const Values& values) {
   return some;
 }
 
+/// NaN if nothing is known.
+inline double median(const Values& values) {
+  Values some = known(values);
+  if (some.empty()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const auto at = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
+  std::ranges::nth_element(some, at);
+  return *at;
+}
+
 /// The range without the lowest and the highest hundredth, so that a few outliers do not count as
 /// motion.
 struct Range {

@@ -82,8 +82,9 @@ struct Residual {
 
 /// One heating and one cooling, split at the hottest row.
 struct Cycle {
-  const std::vector<double>& temperature_K;
-  const std::vector<double>& strain;
+  std::vector<double> temperature_K, strain;
+  /// So many rows of the run's beginning, which cooled from hot to cold, stand at the end here.
+  std::size_t turned;
   std::size_t hottest;
   double shortest, stroke;
 };
@@ -238,10 +239,20 @@ ClassicFit fitted(std::string_view name, const Cycle& cycle) {
     errors.push_back(std::abs(fit.strain.back() - cycle.strain[i]) / cycle.stroke);
     squares += errors.back() * errors.back();
   }
+  std::ranges::rotate(fit.strain, fit.strain.end() - static_cast<std::ptrdiff_t>(cycle.turned));
   fit.rms = std::sqrt(squares / static_cast<double>(errors.size()));
   fit.p95 = quantile(errors, 0.95);
   fit.max = quantile(errors, 1);
   return fit;
+}
+
+/// How many rows lead to the coldest one in a run that begins and ends hot, as with an alloy that
+/// is austenite at room temperature; otherwise 0.
+std::size_t cooled_first(const std::vector<double>& temperature_K) {
+  const auto [coldest, hottest] = std::ranges::minmax_element(temperature_K);
+  const double warm_K = *hottest - 0.25 * (*hottest - *coldest);
+  const bool hot_ends = temperature_K.front() > warm_K && temperature_K.back() > warm_K;
+  return hot_ends ? static_cast<std::size_t>(coldest - temperature_K.begin()) + 1 : 0;
 }
 
 /// The run as a cycle; none if fits would be meaningless.
@@ -249,10 +260,15 @@ std::optional<Cycle> cycle_of(const Run& run) {
   if (run.kind != RunKind::bath || run.strain.empty() || !has_constant_stress(run)) {
     return {};
   }
-  const auto hottest = std::ranges::max_element(run.temperature_K) - run.temperature_K.begin();
+  Cycle cycle{run.temperature_K, run.strain, cooled_first(run.temperature_K), 0, 0, 0};
+  for (std::vector<double>* column : {&cycle.temperature_K, &cycle.strain}) {
+    std::ranges::rotate(*column, column->begin() + static_cast<std::ptrdiff_t>(cycle.turned));
+  }
+  const auto hottest = std::ranges::max_element(cycle.temperature_K);
+  cycle.hottest = static_cast<std::size_t>(hottest - cycle.temperature_K.begin());
   const auto [shortest, longest] = std::ranges::minmax(run.strain);
-  const Cycle cycle{run.temperature_K, run.strain, static_cast<std::size_t>(hottest), shortest,
-                    longest - shortest};
+  cycle.shortest = shortest;
+  cycle.stroke = longest - shortest;
   if (!(cycle.stroke > 0) || !is_one_cycle(cycle)) {
     return {};
   }

@@ -99,7 +99,8 @@ struct ClassicFit {
 /// n-th. Takes about 20 ms for 500 rows.
 /// Empty if the fits would be meaningless: for runs that are not in a bath, have no strain, whose
 /// stress leaves its median by more than an eighth (and 5 MPa) in more than a twentieth of the rows
-/// to either side, or that are not one heating and one cooling through the whole transformation.
+/// to either side, or that are not one heating and one cooling through the whole transformation, of
+/// which either may come first.
 std::vector<ClassicFit> fit_classics(const Run& run);
 
 /// Like fit_classics(), for the functions that adapt to a curve: a Bezier curve of four support

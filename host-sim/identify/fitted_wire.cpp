@@ -168,14 +168,18 @@ std::string source_of(const std::string& group, const Groups::mapped_type& param
       file_names(fit) + (fit.interrupted  ? " (interrupted before it was finished)"
                          : !fit.converged ? " (not converged)"
                                           : "");
+  const std::string kept_from =
+      from.name + (fit.moved_K != 0 && is_of_process(group)
+                       ? fmt::format(" with its transitions moved by {:.1f} K", fit.moved_K)
+                       : "");
   if (found.empty()) {
     const std::string before = inherited(from, group);
-    return fmt::format("not determined by {}, kept from {}{}{}", runs, from.name,
+    return fmt::format("not determined by {}, kept from {}{}{}", runs, kept_from,
                        before.empty() ? "" : ": ", before);
   }
   std::string text = fmt::format("identified from {}; {}", runs, fmt::join(found, ", "));
   if (!kept.empty()) {
-    text += fmt::format("; not determined by the data, kept from {}: {}", from.name,
+    text += fmt::format("; not determined by the data, kept from {}: {}", kept_from,
                         fmt::join(kept, ", "));
   }
   return text;

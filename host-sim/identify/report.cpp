@@ -1,6 +1,7 @@
 #include "host-sim/identify/report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -83,19 +84,30 @@ std::vector<std::string> parameters_text(const FitResult& fit, bool determined) 
   return lines;
 }
 
-/// The errors of each run, with columns for the classic functions if a run has them.
+/// Whether a run has errors of this kind.
+bool has(const Identification& all, FitQuality FittedRun::* quality) {
+  return std::ranges::any_of(all.fit.runs,
+                             [&](const FittedRun& run) { return (run.*quality).count > 0; });
+}
+
+/// The errors of each run, with columns for strain, resistance and the classic functions if a run
+/// has them.
 files::TextTable runs_table(const Identification& all) {
-  std::vector<files::TextTable::Column> columns{{"run"},
-                                                {"kind"},
-                                                {"rows", "{}"},
-                                                {"strain RMS", "{:.2f}", "", 100},
-                                                {"strain 95 %", "{:.2f}", "", 100},
-                                                {"strain max", "{:.2f}", "", 100},
-                                                {"resistance RMS", "{:.2f}", "", 100},
-                                                {"resistance max", "{:.2f}", "", 100}};
+  std::vector<files::TextTable::Column> columns{{"run"}, {"kind"}, {"rows", "{}"}};
+  const auto add = [&](const std::string& heading) {
+    columns.push_back({heading, "{:.2f}", "", 100});
+  };
+  const bool strains = has(all, &FittedRun::strain);
+  const bool ohms = has(all, &FittedRun::resistance);
+  if (strains) {
+    std::ranges::for_each(std::array{"strain RMS", "strain 95 %", "strain max"}, add);
+  }
+  if (ohms) {
+    std::ranges::for_each(std::array{"resistance RMS", "resistance max"}, add);
+  }
   for (const ClassicFit& classic :
        std::ranges::max(all.classics, {}, &std::vector<ClassicFit>::size)) {
-    columns.push_back({fmt::format("{} RMS", classic.name), "{:.2f}", "", 100});
+    add(fmt::format("{} RMS", classic.name));
   }
   files::TextTable table(std::move(columns), "");
   for (std::size_t i = 0; i < all.fit.runs.size(); ++i) {
@@ -105,10 +117,14 @@ files::TextTable runs_table(const Identification& all) {
     };
     const FitQuality& strain = run.strain;
     const FitQuality& ohm = run.resistance;
-    files::TextTable::Row row{
-        file_name(run.name),       name_of(run.kind),         rows_of(run),
-        there(strain, strain.rms), there(strain, strain.p95), there(strain, strain.maximum),
-        there(ohm, ohm.rms),       there(ohm, ohm.maximum)};
+    files::TextTable::Row row{file_name(run.name), name_of(run.kind), rows_of(run)};
+    if (strains) {
+      row.insert(row.end(), {there(strain, strain.rms), there(strain, strain.p95),
+                             there(strain, strain.maximum)});
+    }
+    if (ohms) {
+      row.insert(row.end(), {there(ohm, ohm.rms), there(ohm, ohm.maximum)});
+    }
     for (const ClassicFit& classic : all.classics[i]) {
       row.emplace_back(classic_rms(classic, all.runs[i], all.fit.wire.nominal_stroke));
     }
@@ -167,6 +183,16 @@ std::string heat_flows(const FitResult& fit) {
   return text;
 }
 
+/// How far the fit began from the transitions of --from.
+std::string offset_text(const Identification& all) {
+  return all.fit.moved_K == 0
+             ? ""
+             : fmt::format(
+                   "the fit begins with all transitions of {}\n  moved by {:.1f} K, to "
+                   "where the runs show them\n",
+                   files::printable(all.from), all.fit.moved_K);
+}
+
 std::string joint_text(const FitResult& fit) {
   const auto rms = joint_strain_rms(fit);
   return rms ? fmt::format("strain of all runs: RMS {:.2f} % of the nominal stroke\n", 100 * *rms)
@@ -184,9 +210,17 @@ std::string correlations_text(const FitResult& fit) {
 
 /// The units of the table of the runs.
 std::string unit_of_errors(const Identification& all) {
-  return fmt::format(
-      "strain, also by classic functions, in % of the {:g} % stroke; resistance in %",
-      100 * all.fit.wire.nominal_stroke);
+  const bool classic =
+      std::ranges::any_of(all.classics, [](const auto& of) { return !of.empty(); });
+  const std::string strain =
+      fmt::format("strain{} in % of the {:g} % stroke",
+                  classic ? ", also by classic functions," : "", 100 * all.fit.wire.nominal_stroke);
+  const bool strains = has(all, &FittedRun::strain);
+  const bool ohms = has(all, &FittedRun::resistance);
+  return strains && ohms ? strain + "; resistance in %"
+         : strains       ? strain
+         : ohms          ? "resistance in %"
+                         : "";
 }
 
 std::string parameters_html(const FitResult& fit) {
@@ -291,8 +325,10 @@ double classic_rms(const ClassicFit& classic, const Run& run, double nominal_str
 }
 
 std::string fit_summary(const Identification& all) {
-  std::string text = heading(all) + "\n" + unit_of_errors(all) + "\n" + runs_table(all).text();
+  std::string text = heading(all) + "\n" + unit_of_errors(all);
+  text += (text.ends_with('\n') ? "" : "\n") + runs_table(all).text();
   text += heat_flows(all.fit) + joint_text(all.fit);
+  text += offset_text(all);
   text += fmt::format("structure: {}\n", structure(all.fit.variant)) + circuit(all.fit);
   if (!all.fit.judgement.structures.empty()) {
     text += fmt::format("{}\n", judgement_heading) + judgement_table(all.fit).text();
@@ -325,6 +361,9 @@ std::string fit_json(const Identification& all) {
             {"nominal_stroke", fit.wire.nominal_stroke}};
   if (const auto rms = joint_strain_rms(fit)) {
     json["strain_rms_percent"] = 100 * *rms;
+  }
+  if (fit.moved_K != 0) {
+    json["transitions_moved_K"] = fit.moved_K;
   }
   json["structure"] = {
       {"separate_r2a", fit.variant.separate_r2a},
@@ -363,7 +402,7 @@ void write_fit_report(const std::string& path, const Identification& all, Units 
   std::string html =
       fmt::format("<p>{}</p>\n<p>{}</p>\n", files::escaped(heading(all)), unit_of_errors(all)) +
       runs_table(all).html();
-  for (const std::string& text : {joint_text(all.fit), heat_flows(all.fit),
+  for (const std::string& text : {joint_text(all.fit), heat_flows(all.fit), offset_text(all),
                                   "structure: " + structure(all.fit.variant), circuit(all.fit)}) {
     html += text.empty() ? "" : fmt::format("<p>{}</p>\n", files::escaped(text));
   }

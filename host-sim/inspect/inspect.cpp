@@ -252,6 +252,7 @@ void find_uses(const InspectOptions& options, Facts& facts) {
     return record.stress_Pa.empty() ? std::string(" ") + option : "";
   };
   const bool bath = record.kind == RunKind::bath;
+  const bool calorimetry = record.kind == RunKind::calorimetry;
   const std::string lacks = bath ? "" : missing(record);
   facts.uses.push_back(
       {"replay",
@@ -260,19 +261,18 @@ void find_uses(const InspectOptions& options, Facts& facts) {
                      : "",
        lacks.empty() ? record.stress_Pa.empty() ? "the file has no load" : "" : "needs " + lacks});
   const bool strain = !record.strain.empty();
-  const bool fits =
-      strain || (bath && !record.resistance_ohm.empty()) || record.kind == RunKind::calorimetry;
+  const bool fits = strain || (bath && !record.resistance_ohm.empty()) || calorimetry;
   const std::string from = words.starts_with(" --wire ") ? " --from" + words.substr(7) : words;
-  facts.uses.push_back(
-      {"identify",
-       fits && lacks.empty()
-           ? fmt::format("host-sim identify{}{} --out mine.toml {}", from, load("--load-N N"), file)
-           : "",
-       !fits            ? "needs a displacement or strain_ref"
-       : !lacks.empty() ? "needs " + lacks
-       : facts.loads_MPa.size() < 3 && record.kind == RunKind::joule
-           ? "runs under three loads tell more; host-sim calibrate-plan says which"
-           : ""});
+  facts.uses.push_back({"identify",
+                        fits && (calorimetry || lacks.empty())
+                            ? fmt::format("host-sim identify{}{} --out mine.toml {}", from,
+                                          calorimetry ? "" : load("--load-N N"), file)
+                            : "",
+                        !fits                            ? "needs a displacement or strain_ref"
+                        : !calorimetry && !lacks.empty() ? "needs " + lacks
+                        : facts.loads_MPa.size() < 3 && record.kind == RunKind::joule
+                            ? "runs under three loads tell more; host-sim calibrate-plan says which"
+                            : ""});
 }
 
 }  // namespace

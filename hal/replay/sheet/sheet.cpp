@@ -98,6 +98,9 @@ CsvOfSheet::CsvOfSheet(Utf8Text::Read read, bool (*is_own_header)(std::string_vi
   const std::string_view all(in_);
   const std::size_t end = all.size() < looked_at ? all.size() : all.rfind('\n');
   const auto lines = lines_of(all.substr(0, end));
+  if (begin_pyris(lines)) {
+    return;
+  }
   const auto layout = find_layout(lines);
   foreign_ = layout.has_value();
   if (!foreign_) {
@@ -110,6 +113,23 @@ CsvOfSheet::CsvOfSheet(Utf8Text::Read read, bool (*is_own_header)(std::string_vi
   }
   name_clock(lines[layout_.first - 1]);
   header_ = layout_.header == 0 ? "" : std::string(lines[layout_.header - 1]);
+  skip_lines_above();
+}
+
+bool CsvOfSheet::begin_pyris(const std::vector<std::string_view>& lines) {
+  pyris_ = PyrisExport::find(lines);
+  if (pyris_) {
+    foreign_ = true;
+    layout_.first = pyris_->first();
+    layout_.names = PyrisExport::names();
+    layout_.columns = layout_.names.size();
+    skip_lines_above();
+  }
+  return pyris_.has_value();
+}
+
+/// The names stand for all lines above the rows.
+void CsvOfSheet::skip_lines_above() {
   header_lines_ = layout_.first - 1;
   for (std::size_t i = 1; i < layout_.first; ++i) {
     std::string_view line;
@@ -194,6 +214,15 @@ void CsvOfSheet::skip_stray(std::string_view line) {
 /// skips.
 void CsvOfSheet::translate(std::string_view line, bool complete) {
   ++lines_;
+  if (pyris_) {
+    // Of a last line without an end nobody knows whether its numbers are whole.
+    if (complete && pyris_->take(line, fields_)) {
+      write(fields_);
+    } else {
+      out_ = "\n";
+    }
+    return;
+  }
   const bool repeated = !header_.empty() && line == header_;
   repeated_ += repeated ? 1 : 0;
   if (repeated || line.empty() || line.starts_with('#') || line.starts_with('%')) {
@@ -231,6 +260,9 @@ void CsvOfSheet::write(const std::vector<std::string>& fields) {
 }
 
 std::string CsvOfSheet::said() const {
+  if (pyris_) {
+    return pyris_->said();
+  }
   std::string said = fmt::format("separated by {}", name_of(layout_.separator));
   said += layout_.decimal == ',' ? ", decimal comma" : "";
   said += layout_.header == 0 ? ", no names" : fmt::format(", names in line {}", layout_.header);

@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "hal/replay/sheet/layout.hpp"
+#include "hal/replay/sheet/pyris.hpp"
 
 namespace smaservo::hal {
 
@@ -42,7 +44,7 @@ class CsvOfSheet {
  public:
   /// `read` gives the bytes of the file, of which as many are taken as tell the layout: the first
   /// line where `is_own_header(line)` holds, 64 kB otherwise. Without that function every table is
-  /// foreign.
+  /// foreign. Throws UserError for an export of Pyris that lacks something (pyris.hpp).
   CsvOfSheet(Utf8Text::Read read, bool (*is_own_header)(std::string_view line));
 
   /// Whether the text is a table that the reader would not understand as it is.
@@ -66,6 +68,8 @@ class CsvOfSheet {
  private:
   bool next_line(std::string_view& line, bool& complete);
   void translate(std::string_view line, bool complete);
+  bool begin_pyris(const std::vector<std::string_view>& lines);
+  void skip_lines_above();
   void skip_stray(std::string_view line);
   void name_clock(std::string_view row);
   void write(const std::vector<std::string>& fields);
@@ -75,6 +79,7 @@ class CsvOfSheet {
   std::size_t taken_ = 0;  ///< of in_
   bool ended_ = false;
   bool foreign_ = false;
+  std::optional<PyrisExport> pyris_;
   SheetLayout layout_;
   std::uint64_t header_lines_ = 1;  ///< lines of the file up to the one that the header stands for
   std::string header_;              ///< as in the file

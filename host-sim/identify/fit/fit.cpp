@@ -9,6 +9,7 @@
 
 #include "host-sim/identify/fit/fit_state.hpp"
 #include "host-sim/identify/fit/slopes.hpp"
+#include "host-sim/identify/runs/offset.hpp"
 #include "model/files/error.hpp"
 
 namespace smaservo::identify {
@@ -24,16 +25,12 @@ constexpr double tolerance = 3e-4;
 
 CircumstanceParameters circumstances_of(const FitRun& run, const Run& original) {
   const bool ambient_measured = !original.ambient_K.empty();
-  double max = 0;
-  for (const double power : run.power_W_kg) {
-    max = std::max(max, std::isnan(power) ? 0 : std::abs(power));
-  }
   return {{{"ambient", "degC", 1, Form::sum, run.ambient_K, ambient_measured ? 0.5 : 3.0},
            {"loss", "", 1, Form::factor, 1, 0.05},
            {"strain_zero", "%", 0.01, Form::sum, 0, 0.02},
            {"resistance_gain", "", 1, Form::factor, 1, 0.0015},
            {"rate", "K/s", 1, Form::factor, 1.0 / 6, 1.5},
-           {"power_zero", "W/kg", 1, Form::sum, 0, 0.1 * max + 1e-9}}};
+           {"power_zero", "W/kg", 1, Form::sum, run.middle_power_W_kg, 0.1 * max_power(run)}}};
 }
 
 class Watch final : public ceres::IterationCallback {
@@ -102,7 +99,7 @@ double usual_share(std::string_view stage, int iteration) {
 double max_power(const FitRun& run) {
   double max = 1e-9;
   for (const double power : run.power_W_kg) {
-    max = std::isnan(power) ? max : std::max(max, std::abs(power));
+    max = std::isnan(power) ? max : std::max(max, std::abs(power - run.middle_power_W_kg));
   }
   return max;
 }
@@ -186,6 +183,8 @@ bool Fit::circumstance_active(std::size_t i, int index) const {
       return run.has_strain && !zero_known_[i];
     case iGain:
       return run.has_resistance;
+    case iRate:
+      return run.kind == RunKind::calorimetry && run.rate_K_s.empty();
     default:
       return run.kind == RunKind::calorimetry;
   }
@@ -394,9 +393,14 @@ void Fit::fit_order() {
   weigh();
 }
 
-FitResult Fit::run() {
+double Fit::start() {
   calorimetry();
   stress_levels();
+  return cost(everything());
+}
+
+FitResult Fit::run() {
+  start();
   const Deviations start = u_;
   fit_all("all runs");
   if (options_.variants) {
@@ -430,7 +434,15 @@ FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
                       process));
     }
   }
-  return Fit(from, runs, options).run();
+  const double offset_K = transitions_offset_K(from, runs);
+  if (offset_K == 0) {
+    return Fit(from, runs, options).run();
+  }
+  const Wire<double> there = moved(from, offset_K);
+  const bool better = Fit(there, runs, options).start() < Fit(from, runs, options).start();
+  FitResult result = Fit(better ? there : from, runs, options).run();
+  result.moved_K = better ? offset_K : 0;
+  return result;
 }
 
 }  // namespace smaservo::identify

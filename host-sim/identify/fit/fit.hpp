@@ -135,6 +135,9 @@ struct FitResult {
   /// Share of the observer's errors in the judged runs, left out, that are within twice the
   /// deviation it reports with this accuracy; NaN if none was judged.
   double share_within_2_sd = std::numeric_limits<double>::quiet_NaN();
+  /// Before the fit, the transitions of `from` were moved by this much to where the runs show them;
+  /// 0: they were within reach (runs/offset.hpp).
+  double moved_K = 0;
   CircuitGuess<double> circuit{};
   bool circuit_fitted = false;
   bool interrupted = false;
@@ -142,7 +145,8 @@ struct FitResult {
   int iterations = 0;
 };
 
-/// A parameter that the runs do not determine keeps the value of `from` to the last bit. No
+/// A parameter that the runs do not determine keeps the value of `from` to the last bit, except
+/// that all transitions are moved where the runs show them beyond the reach of the fit. No
 /// transition temperature falls with stress, at any stress up to the wire's limit. Throws UserError
 /// if the runs cannot determine anything, or if a transition of `from` falls with stress.
 FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,

@@ -57,6 +57,8 @@ class Fit {
   Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOptions& options);
 
   FitResult run();
+  /// The cost after the first stages, which find each stress by itself.
+  double start();
 
  private:
   using Runs = std::vector<std::size_t>;
@@ -163,6 +165,7 @@ class Fit {
   int iterations_ = 0;
 };
 
+/// The greatest distance of the heat flow from its middle; just above 0 where there is none.
 double max_power(const FitRun& run);
 
 }  // namespace smaservo::identify

@@ -3,6 +3,7 @@
 #include <limits>
 #include <numeric>
 
+#include "host-sim/checks/statistics.hpp"
 #include "host-sim/identify/fit/fit.hpp"
 
 namespace smaservo::identify {
@@ -46,11 +47,57 @@ void compare(FitRun& fit, std::size_t step, double strain, double ohm, double po
   fit.has_resistance = fit.has_resistance || !std::isnan(ohm);
 }
 
+/// The rate of heating or cooling around each row; NaN where the temperature turns or is held, or
+/// where rows are missing. It is taken over a hundredth of the rows, however many there are in a
+/// second: over few rows it would have the noise of the thermometer.
+std::vector<double> rates(const Run& run) {
+  const std::size_t rows = run.time_s.size();
+  const std::size_t reach = std::max<std::size_t>(rows / 200, 1);
+  std::vector<double> dt_s;
+  for (std::size_t i = 1; i < rows; ++i) {
+    dt_s.push_back(run.time_s[i] - run.time_s[i - 1]);
+  }
+  const double longest_s = 5 * checks::median(dt_s);
+  std::vector<double> rate(rows, nothing);
+  for (std::size_t i = reach; i + reach < rows; ++i) {
+    const auto span = [&](std::size_t from, std::size_t to) {
+      return run.temperature_K[to] - run.temperature_K[from];
+    };
+    const bool whole = std::all_of(dt_s.begin() + static_cast<std::ptrdiff_t>(i - reach),
+                                   dt_s.begin() + static_cast<std::ptrdiff_t>(i + reach),
+                                   [&](double dt) { return dt < longest_s; });
+    const double before_K = span(i - reach, i);
+    const double after_K = span(i, i + reach);
+    // In a turn or at its side one half is much slower than the other.
+    const double change = before_K / after_K;
+    const bool steady = 0.5 < change && change < 2;
+    if (whole && steady) {
+      rate[i] = std::abs(before_K + after_K) / (run.time_s[i + reach] - run.time_s[i - reach]);
+    }
+  }
+  return rate;
+}
+
+double middle_power_W_kg(const Run& run) {
+  std::vector<double> up, down;
+  for (std::size_t i = 1; i < run.power_W_kg.size(); ++i) {
+    const double change_K = run.temperature_K[i] - run.temperature_K[i - 1];
+    if (!std::isnan(run.power_W_kg[i]) && change_K != 0) {
+      (change_K > 0 ? up : down).push_back(run.power_W_kg[i]);
+    }
+  }
+  return up.empty() || down.empty() ? 0 : 0.5 * (checks::median(up) + checks::median(down));
+}
+
 /// Takes each row as a step: for a bath, settled states, and calorimetry.
 void take_rows(const Run& run, FitRun& fit) {
   const std::size_t rows =
       run.kind == RunKind::settled ? run.current_A.size() : run.temperature_K.size();
   const std::size_t every = (rows + max_compared - 1) / max_compared;
+  if (run.kind == RunKind::calorimetry) {
+    fit.middle_power_W_kg = middle_power_W_kg(run);
+    fit.rate_K_s = run.time_s.empty() ? std::vector<double>() : rates(run);
+  }
   fit.stress_Pa = run.stress_Pa.empty() ? std::vector<double>(rows, 0.0) : smoothed(run.stress_Pa);
   for (std::size_t i = 0; i < rows; ++i) {
     if (run.kind == RunKind::settled) {
@@ -62,7 +109,9 @@ void take_rows(const Run& run, FitRun& fit) {
       fit.temperature_K.push_back(run.temperature_K[i]);
     }
     if (i % every == 0) {
-      compare(fit, i, at(run.strain, i), resistance_at(run, i), at(run.power_W_kg, i));
+      const bool timed = fit.rate_K_s.empty() || !std::isnan(fit.rate_K_s[i]);
+      compare(fit, i, at(run.strain, i), resistance_at(run, i),
+              timed ? at(run.power_W_kg, i) : nothing);
     }
   }
 }

@@ -192,6 +192,26 @@ TEST(Classics, SameRunSameBits) {
   }
 }
 
+/// It does not matter where on its way around the loop a measurement begins.
+TEST(Classics, ACycleMayBeginHot) {
+  smaservo::identify::Run run = bath({0.04, 0, 360, 5, 335, 4}, arctan);
+  const auto cold = identify::fit_classics(run);
+  const auto hottest = std::ranges::max_element(run.temperature_K) - run.temperature_K.begin();
+  for (auto* column : {&run.temperature_K, &run.strain, &run.stress_Pa}) {
+    std::ranges::rotate(*column, column->begin() + hottest);
+  }
+  const auto hot = identify::fit_classics(run);
+  ASSERT_EQ(hot.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(hot[i].rms, cold[i].rms, 1e-5);
+    EXPECT_NEAR(hot[i].heating_K, cold[i].heating_K, 0.01);
+    for (std::size_t row = 0; row < run.strain.size(); ++row) {
+      const std::size_t there = (row + static_cast<std::size_t>(hottest)) % run.strain.size();
+      EXPECT_NEAR(hot[i].strain[row], cold[i].strain[there], 1e-4);
+    }
+  }
+}
+
 TEST(Classics, OnlyOneFullCycleAtConstantStressCounts) {
   const auto good = bath({0.04, 0, 360, 5, 335, 4}, hyperbolic);
   ASSERT_FALSE(identify::fit_classics(good).empty());

@@ -56,5 +56,30 @@ TEST(Calorimetry, AndBathsAreExplainedTogether) {
   EXPECT_NEAR(fit.wire.kinetics.m2a.start_K[0], wire.kinetics.m2a.start_K[0], 1);
 }
 
+/// With time the rate is known, and so each of the heats; scans may have different rates, and holds
+/// between them.
+TEST(Calorimetry, WithTimeTellsEachHeat) {
+  const Wire<double> wire = truth();
+  std::mt19937_64 random(6);
+  identify::Run run = calorimetry_run(wire, random);
+  constexpr double zero_W_kg = -4000;
+  double now_s = 0;
+  for (std::size_t i = 0; i < run.temperature_K.size(); ++i) {
+    const double change_K = i == 0 ? 0.5 : run.temperature_K[i] - run.temperature_K[i - 1];
+    const double times = change_K < 0 ? 0.5 : 1;  // cooled at half of the rate
+    now_s +=
+        std::abs(change_K) / (times * rate_K_s) + (i == run.temperature_K.size() / 2 ? 300 : 0);
+    run.time_s.push_back(now_s);
+    run.power_W_kg[i] = zero_W_kg + times * run.power_W_kg[i];
+  }
+  identify::FitOptions options;
+  options.variants = false;
+  const identify::FitResult fit =
+      identify::fit_wire(files::load_wire("smartflex-76um").wire, {run}, options);
+  EXPECT_LT(fit.runs.front().power.rms, 0.02);
+  EXPECT_NEAR(fit.wire.heat.specific_heat_J_kgK / wire.heat.specific_heat_J_kgK, 1, 0.03);
+  EXPECT_NEAR(fit.wire.heat.latent_m2a_J_kg / wire.heat.latent_m2a_J_kg, 1, 0.05);
+}
+
 }  // namespace
 }  // namespace smaservo::test

@@ -27,13 +27,18 @@ struct FitRun {
   std::vector<double> current2_A2;
   std::vector<double> stress_Pa;      ///< bath, joule, settled
   std::vector<double> temperature_K;  ///< bath, calorimetry
-  double ambient_K = room_K;          ///< joule, settled: measured, or a first guess
+  /// Calorimetry with time: rate of heating or cooling in the row; empty without time.
+  std::vector<double> rate_K_s;
+  double ambient_K = room_K;  ///< joule, settled: measured, or a first guess
   // One element for every comparison:
   std::vector<std::size_t> after;  ///< number of the step
   std::vector<double> strain;      ///< NaN if there is none
   std::vector<double> resistance_ohm;
   /// Calorimetry: heat flow into the wire, positive when it is heated.
   std::vector<double> power_W_kg;
+  /// Calorimetry: half way between the usual heat flow of heating and that of cooling, which lies
+  /// near the instrument's zero; 0 if the sample is only heated or only cooled.
+  double middle_power_W_kg = 0;
 
   bool has_strain = false;
   bool has_resistance = false;
@@ -46,7 +51,7 @@ struct Circumstances {
   T loss;             ///< factor on the heat loss
   T strain_zero;      ///< strain at which the run's readings have their zero
   T resistance_gain;  ///< gain of the run's resistance readings
-  T rate_K_s;         ///< calorimetry: rate of heating and cooling
+  T rate_K_s;         ///< calorimetry without time: rate of heating and cooling
   T power_zero_W_kg;  ///< calorimetry: zero of the heat flow
 };
 
@@ -129,7 +134,8 @@ void predict_calorimetry(const FitRun& run, const typename Plant<ThreePhase<T>>:
       const T taken = heat.specific_heat_J_kgK * T(change_K) -
                       heat.latent_m2a_J_kg * (after.martensite - before.martensite) -
                       heat.latent_r2a_J_kg * (after.r_phase - before.r_phase);
-      const T flow = size_K > 0 ? taken * c.rate_K_s / T(size_K) : T(0);
+      const T rate_K_s = run.rate_K_s.empty() ? c.rate_K_s : T(run.rate_K_s[i]);
+      const T flow = size_K > 0 ? taken * rate_K_s / T(size_K) : T(0);
       predicted.push_back({c.power_zero_W_kg + flow, T(0), T(0), T(0), {}});
       ++at;
     }
