@@ -27,13 +27,26 @@ hal::TraceOptions with(const std::vector<std::string>& renames) {
 
 }  // namespace
 
-OwnRows::OwnRows(const std::string& path, const std::vector<std::string>& renames)
-    : trace_(path, with(renames)) {
-  for (std::size_t i = 0; i < trace_.names().size(); ++i) {
-    text_ += (i > 0 ? "," : "") + trace_.own_name(i);
+std::string own_header(const hal::TraceReader& trace) {
+  std::string text;
+  for (std::size_t i = 0; i < trace.names().size(); ++i) {
+    text += (i > 0 ? "," : "") + trace.own_name(i);
   }
-  text_ += '\n';
+  return text;
 }
+
+void add_own_row(const hal::TraceReader& trace, const hal::TraceRow& row, std::string& text) {
+  std::string_view rest = row.text;
+  for (std::size_t i = 0; i < trace.names().size(); ++i) {
+    const std::string_view field = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(field.size() + 1, rest.size()));
+    text += i > 0 ? "," : "";
+    text += trace.scale(i) == 1 ? std::string(field) : scaled(field, trace.scale(i));
+  }
+}
+
+OwnRows::OwnRows(const std::string& path, const std::vector<std::string>& renames)
+    : trace_(path, with(renames)), text_(own_header(trace_) + '\n') {}
 
 std::size_t OwnRows::read(char* to, std::size_t room) {
   while (given_ == text_.size()) {
@@ -43,22 +56,12 @@ std::size_t OwnRows::read(char* to, std::size_t room) {
     if (!trace_.next(row)) {
       return 0;
     }
-    add(row);
+    add_own_row(trace_, row, text_);
+    text_ += '\n';
   }
   const std::size_t part = text_.copy(to, room, given_);
   given_ += part;
   return part;
-}
-
-void OwnRows::add(const hal::TraceRow& row) {
-  std::string_view rest = row.text;
-  for (std::size_t i = 0; i < trace_.names().size(); ++i) {
-    const std::string_view field = rest.substr(0, rest.find(','));
-    rest.remove_prefix(std::min(field.size() + 1, rest.size()));
-    text_ += i > 0 ? "," : "";
-    text_ += trace_.scale(i) == 1 ? std::string(field) : scaled(field, trace_.scale(i));
-  }
-  text_ += '\n';
 }
 
 }  // namespace smaservo::convert

@@ -8,6 +8,13 @@
 
 namespace smaservo::convert {
 
+/// The names of a table's columns in this project's dialect, as the header of CSV without its line
+/// end.
+std::string own_header(const hal::TraceReader& trace);
+/// Adds a row that the reader has given to `text`, as own_header() has the columns, without a line
+/// end: each field is the text that it was, but for numbers in units that need a factor.
+void add_own_row(const hal::TraceReader& trace, const hal::TraceRow& row, std::string& text);
+
 /// The rows of another program's table as CSV in this project's dialect: names as `current_mA`,
 /// numbers with a point, each field's text otherwise unchanged.
 class OwnRows {
@@ -22,8 +29,6 @@ class OwnRows {
   std::size_t read(char* to, std::size_t room);
 
  private:
-  void add(const hal::TraceRow& row);
-
   hal::TraceReader trace_;
   std::string text_;
   std::size_t given_ = 0;
