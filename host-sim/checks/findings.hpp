@@ -62,7 +62,6 @@ void check_alloy(const Record& record, const RecordedWire& wire, Findings& found
 std::vector<double> heating_K(const Record& record, const Geometry<double>& geometry);
 
 /// The help of --allow.
-inline constexpr const char* allow_help =
-    "only print what this check finds, as resistivity, and go on; repeatable";
+inline constexpr const char* allow_help = "--allow resistivity: only print what this finds";
 
 }  // namespace smaservo::checks

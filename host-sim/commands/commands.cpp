@@ -18,6 +18,7 @@
 #include "host-sim/papers/compare/compare_command.hpp"
 #include "host-sim/papers/figures/figures_command.hpp"
 #include "host-sim/plan/plan_command.hpp"
+#include "host-sim/record/record_command.hpp"
 #include "host-sim/replay/replay_command.hpp"
 #include "host-sim/simulate/simulate_command.hpp"
 #include "host-sim/tune/tune_command.hpp"
@@ -62,6 +63,7 @@ int run_host_sim(int argc, char** argv) {
   identify::add_identify_command(app);
   inspect::add_inspect_command(app);
   page::add_page_command(app);
+  record::add_record_command(app);
   replay::add_replay_command(app);
   replay::add_replay_device_command(app);
   simulate::add_simulate_command(app);
