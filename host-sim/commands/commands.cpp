@@ -8,6 +8,7 @@
 #include "host-sim/campaign/campaign_command.hpp"
 #include "host-sim/can/can_command.hpp"
 #include "host-sim/choose/choose_command.hpp"
+#include "host-sim/commission/commission_command.hpp"
 #include "host-sim/convert/convert_command.hpp"
 #include "host-sim/describe/describe_command.hpp"
 #include "host-sim/evaluate/evaluate_command.hpp"
@@ -53,6 +54,7 @@ int run_host_sim(int argc, char** argv) {
   campaign::add_campaign_command(app);
   can::add_can_command(app);
   choose::add_choose_command(app);
+  commission::add_commission_command(app);
   compare::add_compare_command(app);
   convert::add_convert_command(app);
   describe::add_describe_command(app);

@@ -11,6 +11,7 @@
 #include "host-sim/end_by_signal.hpp"
 #include "host-sim/evaluate/observer_program.hpp"
 #include "host-sim/evaluate/runs/calibrate.hpp"
+#include "host-sim/evaluate/runs/commissioned.hpp"
 #include "host-sim/parallel.hpp"
 #include "host-sim/replay/measurement_params.hpp"
 #include "host-sim/replay/observers.hpp"
@@ -31,7 +32,21 @@ std::uint64_t run_seed(const EvaluateOptions& options, std::size_t run) {
 
 struct JudgedUnit {
   bench::WireUnit unit;
-  Wire<double> type_file, calibrated;
+  Wire<double> type_file, commissioned, two_readings, calibrated;
+
+  const Wire<double>& known(Known what) const {
+    switch (what) {
+      case Known::type:
+        return type_file;
+      case Known::commissioned:
+        return commissioned;
+      case Known::two_readings:
+        return two_readings;
+      case Known::calibrated:
+        break;
+    }
+    return calibrated;
+  }
 };
 
 /// An observer of the table.
@@ -108,7 +123,7 @@ std::vector<JudgedUnit> make_units(const EvaluateOptions& options) {
     for (const hal::Family family : options.families) {
       const bench::WireUnit unit =
           bench::random_unit(family, options.seed + static_cast<std::uint64_t>(i));
-      units.push_back({unit, unit.type_file(), {}});
+      units.push_back({unit, unit.type_file(), {}, {}, {}});
     }
   }
   return units;
@@ -126,6 +141,27 @@ void calibrate(const EvaluateOptions& options, std::vector<JudgedUnit>& units) {
                                : calibrated_wire(units[i].unit, options.wires, options.structure);
       },
       reporting(options, "calibration", units.size()));
+}
+
+void commission(const EvaluateOptions& options, const std::vector<std::size_t>& rows,
+                std::vector<JudgedUnit>& units) {
+  const auto asked = [&](Known what) {
+    return std::ranges::any_of(
+        rows, [&](std::size_t row) { return evaluation_rows()[row].known == what; });
+  };
+  const bool without = asked(Known::commissioned);
+  const bool with = asked(Known::two_readings);
+  if (!without && !with) {
+    return;
+  }
+  parallel(
+      units.size(), options.threads,
+      [&](std::size_t i) {
+        JudgedUnit& unit = units[i];
+        unit.commissioned = without ? commissioned_wire(unit.unit, 0) : unit.type_file;
+        unit.two_readings = with ? commissioned_wire(unit.unit, 2) : unit.type_file;
+      },
+      reporting(options, "commissioning", units.size()));
 }
 
 /// The runs of a row use all units in turn, then the next condition; after all conditions they
@@ -258,8 +294,7 @@ std::vector<JudgedRun> judge(const EvaluateOptions& options, const replay::RunSe
   const bench::Scenario scenario =
       test_run(unit.unit, job.run.condition, job.run.seed, job.run.disturbed);
   const std::vector<simulate::SimulatedRow> rows = simulated(scenario);
-  const bool known = evaluation_rows()[job.row].calibrated;
-  const Wire<double>& wire = known ? unit.calibrated : unit.type_file;
+  const Wire<double>& wire = unit.known(evaluation_rows()[job.row].known);
   const auto& joule = std::get<bench::JouleScenario>(scenario.run);
   std::vector<JudgedRun> judged;
   for (const Judged& observer : observers_of(options, job.row)) {
@@ -305,8 +340,8 @@ Evaluation evaluate(const EvaluateOptions& options) {
   const replay::RunSettings settings = replay::parse_run_settings(options.settings);
   check(options, settings);
   const std::vector<std::size_t> rows = chosen_rows(options);
-  const bool calibrated =
-      std::ranges::any_of(rows, [](std::size_t row) { return evaluation_rows()[row].calibrated; });
+  const bool calibrated = std::ranges::any_of(
+      rows, [](std::size_t row) { return evaluation_rows()[row].known == Known::calibrated; });
   std::vector<JudgedUnit> units = make_units(options);
   const std::vector<Job> jobs = work_list(options, rows, units);
   if (calibrated) {
@@ -316,6 +351,7 @@ Evaluation evaluate(const EvaluateOptions& options) {
   if (calibrated) {
     calibrate(options, units);
   }
+  commission(options, rows, units);
   const std::optional<EndBySignal> end = ends_programs(options);
   const double stroke = units.front().type_file.nominal_stroke;
   std::vector<std::vector<JudgedRun>> judged(jobs.size());

@@ -15,23 +15,29 @@ namespace smaservo::evaluate {
 
 enum class Disturbed : unsigned char { never, always, every_other };
 
+/// What is known of a row's wires.
+enum class Known : unsigned char {
+  type,          ///< the type file, with a resistance measured at one point
+  commissioned,  ///< that, and one run without a displacement sensor (host-sim/commission)
+  two_readings,  ///< that, and the wire's length read twice in it, cold and hot
+  calibrated     ///< by identification
+};
+
 /// Targets are in % of the stroke; NaN if there is none.
 struct EvaluationRow {
   std::string_view name;
   std::string_view meaning;
   std::vector<Condition> conditions;  ///< conditions, used in turn
   Disturbed disturbed = Disturbed::never;
-  /// By identification; otherwise the wire is the type file with a resistance measured at one
-  /// point.
-  bool calibrated = true;
+  Known known = Known::calibrated;
   int runs = 18;  ///< runs of each unit, unless the options give another number of all
   double mean = std::numeric_limits<double>::quiet_NaN();
   double p95 = std::numeric_limits<double>::quiet_NaN();
   double maximum = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// "standard", "disturbed", "light", "uncalibrated", "unknown-start", "hold",
-/// "gust", "coarse".
+/// "standard", "disturbed", "light", "uncalibrated", "commissioned", "two-readings",
+/// "unknown-start", "hold", "gust", "coarse".
 const std::vector<EvaluationRow>& evaluation_rows();
 
 /// The data that identify a run: test_run(random_unit(family, unit), ...) repeats it.

@@ -23,6 +23,7 @@ std::string header_of(const std::vector<std::string>& signals) {
 void write_rows(const can::Recording& whole, BusRun& run) {
   const std::string all = can::to_csv(whole);
   std::size_t at = all.find('\n') + 1;
+  std::size_t in_a_row = 0;
   run.csv = header_of(whole.signals);
   for (const std::vector<double>& row : whole.rows) {
     const std::size_t end = all.find('\n', at) + 1;
@@ -31,9 +32,12 @@ void write_rows(const can::Recording& whole, BusRun& run) {
     if (std::all_of(row.begin(), row.begin() + needed, [](double x) { return std::isfinite(x); })) {
       run.csv.append(all, at, end - at);
       run.recording.rows.push_back(row);
+      in_a_row = 0;
     } else {
       ++run.left_out;
+      ++in_a_row;
     }
+    run.longest_gap_s = std::max(run.longest_gap_s, static_cast<double>(in_a_row) * whole.period_s);
     at = end;
   }
 }
@@ -75,8 +79,12 @@ BusRun record_from_bus(can::Remote& remote, const can::RecordingPlan& plan, doub
                        const std::function<void()>& waits) {
   can::arm_recorder(remote, plan);
   can::wait_for_recorder(remote, plan, patience_s, waits);
+  return read_run(remote, plan);
+}
+
+BusRun read_run(can::Remote& remote, const can::RecordingPlan& plan) {
   const can::Recording whole = read_undisturbed(remote, plan);
-  BusRun run{{whole.signals, whole.period_s, {}, {}}, "", 0};
+  BusRun run{{whole.signals, whole.period_s, {}, {}}, "", 0, 0};
   write_rows(whole, run);
   if (run.recording.rows.empty()) {
     throw files::UserError(fmt::format(

@@ -24,6 +24,7 @@ struct BusRun {
   can::Recording recording;  ///< rows without a needed reading are left out
   std::string csv;
   std::size_t left_out = 0;
+  double longest_gap_s = 0;  ///< longest time without a row
 };
 
 /// Records by the device's recorder, as `can record` does. Throws UserError where the node does not
@@ -31,5 +32,9 @@ struct BusRun {
 BusRun record_from_bus(
     can::Remote& remote, const can::RecordingPlan& plan, double patience_s,
     const std::function<void()>& waits = [] {});
+
+/// Stops a recorder that was armed with this plan, and reads its run; the plan's time may have been
+/// shortened meanwhile. Throws UserError as record_from_bus().
+BusRun read_run(can::Remote& remote, const can::RecordingPlan& plan);
 
 }  // namespace smaservo::record

@@ -88,7 +88,8 @@ class Evaluations final : public Trials {
     bool calibrated = false;
     for (const evaluate::EvaluationRow* row : rows()) {
       runs += judging_.runs > 0 ? judging_.runs : row->runs;
-      calibrated = calibrated || (row->calibrated && judging_.wires.empty());
+      calibrated =
+          calibrated || (row->known == evaluate::Known::calibrated && judging_.wires.empty());
     }
     return (calibrated ? calibration_cost_s : 0) +
            run_cost_s * runs * static_cast<double>(judging_.observers.size());

@@ -158,6 +158,23 @@ bench::Scenario calibration_run(const bench::WireUnit& unit, std::size_t index) 
                   dice.seed(), std::move(joule));
 }
 
+bench::Scenario commissioning_run(const bench::WireUnit& unit) {
+  bench::Dice dice(unit.seed + 104729);
+  bench::JouleScenario joule = still_room(unit.wire.wire, constant(120, 250, dice));
+  joule.sensors.load_gain = 1 + dice.uniform(-0.005, 0.005);
+  joule.drive = {{0, 2}, {0.49, 5}, {0, 5}};
+  for (int i = 0; i < 2; ++i) {
+    for (const double level : {0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0}) {
+      joule.drive.push_back({level, 3});
+    }
+    for (const double level : {0.7, 0.6, 0.5, 0.4, 0.3, 0.2}) {
+      joule.drive.push_back({level, 2.5});
+    }
+    joule.drive.push_back({0, 1});
+  }
+  return scenario(unit, unit.wire.name + ", commissioning", dice.seed(), std::move(joule));
+}
+
 std::string_view condition_name(Condition condition) {
   switch (condition) {
     case Condition::constant:

@@ -20,6 +20,13 @@ inline constexpr std::array calibration_stresses_MPa{10.0,  25.0,  50.0,  100.0,
 /// shrinking loops, random steps of the power.
 bench::Scenario calibration_run(const bench::WireUnit& unit, std::size_t index);
 
+/// With which a unit is commissioned: 86 s at 1 kHz under a constant load of 120 to 250 MPa. The
+/// cold wire rests for 2 s, is heated with 70 % of the current for 5 s, rests for 5 s, and then
+/// climbs and descends two staircases of seven and six levels.
+bench::Scenario commissioning_run(const bench::WireUnit& unit);
+/// When in that run the wire's length is read: cold at rest, and at the top of the first staircase.
+inline constexpr std::array commissioning_readings_s{1.8, 32.8};
+
 enum class Condition : unsigned char {
   constant,       ///< 100..400 MPa
   spring,         ///< a bias spring, 100..300 MPa

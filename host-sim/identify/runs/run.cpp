@@ -73,7 +73,7 @@ std::vector<double> given_stress(const Run& run, const RunOptions& options, std:
       rows, options.stress_Pa ? *options.stress_Pa : *options.load_N / options.geometry.area_m2());
 }
 
-void check_content(const Run& run) {
+void check_content(const Run& run, bool strain_optional) {
   if (run.stress_Pa.size() < min_rows) {
     fail(run, fmt::format("has {} rows, at least {} are needed; record a full heating and cooling",
                           run.stress_Pa.size(), min_rows));
@@ -87,7 +87,9 @@ void check_content(const Run& run) {
     }
     return;
   }
-  if (run.strain.empty() && (run.kind != RunKind::bath || run.resistance_ohm.empty())) {
+  const bool resistance_is_enough =
+      run.kind == RunKind::bath || (strain_optional && run.kind == RunKind::joule);
+  if (run.strain.empty() && (!resistance_is_enough || run.resistance_ohm.empty())) {
     fail(run, fmt::format("has nothing to fit a {} run to; record strain_ref or displacement_mm{}",
                           name_of(run.kind),
                           run.kind == RunKind::bath
@@ -116,7 +118,7 @@ Run run_of(checks::Record record, const RunOptions& options) {
   if (run.stress_Pa.empty()) {
     run.stress_Pa = given_stress(run, options, run.lines.size());
   }
-  check_content(run);
+  check_content(run, options.strain_optional);
   return run;
 }
 

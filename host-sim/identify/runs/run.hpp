@@ -15,7 +15,8 @@ namespace smaservo::identify {
 
 using checks::name_of;
 using checks::RunKind;
-/// A run has a stress, and joule and settled runs a strain, bath a strain or a resistance. Where
+/// A run has a stress, and joule and settled runs a strain (joule: unless it is optional), bath a
+/// strain or a resistance. Where
 /// the file has neither stress nor load, it comes from the options; in calorimetry it is 0.
 using Run = checks::Record;
 
@@ -26,6 +27,8 @@ struct RunOptions {
   hal::TraceOptions trace;
   /// Checks that may fail.
   std::vector<std::string> allowed = {};  // NOLINT(readability-redundant-member-init): for braces
+  /// Whether a run that was heated by current may lack a strain.
+  bool strain_optional = false;
 };
 
 /// Makes a run of a record: finds its kind and its stress, and refuses what read_run() refuses,

@@ -1,6 +1,7 @@
 #include "host-sim/identify/fit/judge/observed_run.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "observer/estimator.hpp"
 #include "observer/multiple_model.hpp"
@@ -65,7 +66,8 @@ ObservedRun observed_run(const Run& run, const Assumed<double>& as_fitted) {
     }
     observed.dt_s.push_back(run.time_s[to] - run.time_s[from]);
     observed.seen.push_back(mean_of_rows(front_end, area_m2, run, from + 1, to + 1));
-    observed.strain.push_back(run.strain[to] - as_fitted.here.strain_zero);
+    observed.strain.push_back(run.strain.empty() ? std::numeric_limits<double>::quiet_NaN()
+                                                 : run.strain[to] - as_fitted.here.strain_zero);
     from = to;
   }
   return observed;
