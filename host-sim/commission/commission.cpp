@@ -23,9 +23,8 @@
 namespace smaservo::commission {
 namespace {
 
-constexpr double rest_s = 0.2;       ///< for which the run must begin at rest
-constexpr double rest_above_K = 10;  ///< a wire at rest is not warmer above the air
-constexpr double air_K = 25 + zero_degC_K;
+constexpr double rest_s = 0.2;        ///< for which the run must begin at rest
+constexpr double rest_above_K = 10;   ///< a wire at rest is not warmer above the air
 constexpr double air_known_sd_K = 3;  ///< a thermometer nearby
 constexpr double air_guess_sd_K = 10;
 /// Readings of a wire that contracts by more than this are in a wrong unit.
@@ -67,7 +66,7 @@ double air_of(const identify::Run& run, const CommissionOptions& options) {
       return ambient_K;
     }
   }
-  return options.ambient_K.value_or(air_K);
+  return options.ambient_K.value_or(room_K);
 }
 
 identify::ObservedRun observed(const Wire<double>& from, const identify::Run& run,

@@ -5,6 +5,7 @@
 #include <map>
 #include <string_view>
 
+#include "host-sim/identify/fit/cost/run_cost.hpp"
 #include "host-sim/parallel.hpp"
 
 namespace smaservo::commission {
@@ -29,8 +30,6 @@ const std::map<std::string_view, double>& free_parameters() {
 /// many independent ones. Between 10 and 800 the error on the tuning wires is the same.
 constexpr double innovation_sd = 3e-3;
 constexpr double independent_blocks = 50;
-/// Larger innovations count linearly.
-constexpr double robust_sd = 3;
 // What the observer's slow states may need to agree with the run: a type's convection is known
 // within 20 %; the factor on the resistance was measured at the beginning.
 constexpr double loss_sd = 0.2;
@@ -39,11 +38,6 @@ constexpr double resistance_sd = 0.005;
 constexpr double model_strain_sd = 3e-4;
 constexpr double zero_step = 0.01;        ///< strain for a deviation of 1 of the zero
 constexpr double derivative_step = 0.25;  ///< of the numerical derivatives: the observer has kinks
-
-double robust(double r) {
-  const double s = r * r / (robust_sd * robust_sd);
-  return r * std::sqrt(2 / (1 + std::sqrt(1 + s)));
-}
 
 identify::FitVariant variant_of(const Wire<double>& wire) {
   identify::FitVariant variant;
@@ -113,7 +107,7 @@ Eigen::VectorXd EndToEndCost::residuals(const Passage& passage, const double* u)
   const auto blocks = static_cast<double>(passage.innovation.size());
   const double share = std::sqrt(std::min(1.0, independent_blocks / blocks));
   for (const double innovation : passage.innovation) {
-    all.push_back(share * robust(innovation / innovation_sd));
+    all.push_back(share * identify::robust(innovation / innovation_sd));
   }
   for (std::size_t i = 0; i < readings_.anchors.size(); ++i) {
     all.push_back(anchor_residual(i, passage, u));

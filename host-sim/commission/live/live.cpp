@@ -14,6 +14,7 @@
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/output_file.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::commission {
 namespace {
@@ -68,7 +69,7 @@ class GuidedRun {
     if (!sequence_.whole) {
       notes_.push_back(fmt::format(
           "the limits allow {:.0f} degC only, at which the wire of the settings transforms in part",
-          sequence_.top_K - 273.15));
+          sequence_.top_K - zero_degC_K));
     }
     try {
       servo_.begin();

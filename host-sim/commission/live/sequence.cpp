@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 #include <numeric>
 
+#include "host-sim/identify/fit/cost/prediction.hpp"
 #include "model/files/error.hpp"
+#include "model/units.hpp"
 
 namespace smaservo::commission {
 namespace {
@@ -30,17 +32,7 @@ constexpr double rest_power_share = 0.01;
 constexpr double hot_resistance_share = 0.85;
 
 double celsius(double kelvin) {
-  return kelvin - 273.15;
-}
-
-double steady_K(const Prepared<double>& device, double power_W, double ambient_K) {
-  double low_K = 0;
-  double high_K = 1000;
-  for (int i = 0; i < 60; ++i) {
-    const double mid_K = (low_K + high_K) / 2;
-    (device.observer.model.body.loss_W(mid_K) < power_W ? low_K : high_K) = mid_K;
-  }
-  return ambient_K + low_K;
+  return kelvin - zero_degC_K;
 }
 
 [[noreturn]] void cannot_transform(const Prepared<double>& device, const SequenceInputs& in,
@@ -122,7 +114,7 @@ Sequence plan_sequence(const Prepared<double>& device, const SequenceInputs& in,
   const double allowed_W = std::min(limits.power_W, limits.current_A * limits.current_A * hot_ohm);
   double top_K = std::min(span.heating_finish_K + overheat_above_K, allowed_K);
   if (allowed_W < loss_W(top_K)) {
-    top_K = steady_K(device, allowed_W, in.ambient_K);
+    top_K = in.ambient_K + identify::settled_above_K(device.observer.model.body, 1.0, allowed_W);
   }
   const double middle_K = (span.heating_start_K + span.heating_finish_K) / 2;
   if (top_K < middle_K) {
