@@ -1,7 +1,6 @@
 #include "host-sim/commission/commission_command.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
@@ -10,6 +9,7 @@
 #include "firmware/text/settings_file.hpp"
 #include "host-sim/can/commands/session.hpp"
 #include "host-sim/checks/findings.hpp"
+#include "host-sim/commission/fitted_run.hpp"
 #include "host-sim/commission/live/live.hpp"
 #include "host-sim/commission/output.hpp"
 #include "host-sim/report/html.hpp"
@@ -75,14 +75,7 @@ identify::Run read(const CommissionArguments& a, const Geometry<double>& geometr
   options.trace.renames = a.columns;
   options.trace.lenient = a.lenient;
   options.allowed = a.allowed;
-  options.strain_optional = true;
-  identify::Run run = identify::read_run(a.run, options);
-  if (run.kind != identify::RunKind::joule) {
-    throw files::UserError(
-        fmt::format("{}: is a {} run; commissioning needs one that heats the wire by its current, "
-                    "with time, current, voltage and load",
-                    run.name, identify::name_of(run.kind)));
-  }
+  identify::Run run = heated_run(a.run, options);
   if (!run.strain.empty()) {
     files::complain("host-sim",
                     fmt::format("{}: has a strain or displacement, which is not used; `host-sim "
@@ -106,31 +99,25 @@ std::vector<Anchor> anchors_of(const CommissionArguments& a) {
 
 /// Fits the wire to the recording.
 void fit(const CommissionArguments& a, const std::vector<Anchor>& anchors) {
-  const auto start = std::chrono::steady_clock::now();
-  Commissioning all;
-  all.from = files::load_wire(a.from, text::parse_settings(a.settings));
-  all.run = a.run;
-  all.out = a.out;
-  all.zero = a.zero == "length" ? Zero::length : Zero::common;
-  const identify::Run recorded = read(a, all.from.wire.geometry);
-  {
+  const files::WireDescription from = files::load_wire(a.from, text::parse_settings(a.settings));
+  const identify::Run recorded = read(a, from.wire.geometry);
+  CommissionOptions options;
+  options.zero = a.zero == "length" ? Zero::length : Zero::common;
+  options.length_sd_m = 1e-3 * a.length_sd_mm;
+  options.threads = a.threads > 0
+                        ? a.threads
+                        : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (a.ambient_degC) {
+    options.ambient_K = *a.ambient_degC + zero_degC_K;
+  }
+  const Commissioning all = [&] {
     files::Progress progress("commission");
-    CommissionOptions options;
-    options.zero = all.zero;
-    options.length_sd_m = 1e-3 * a.length_sd_mm;
-    options.threads = a.threads > 0
-                          ? a.threads
-                          : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    if (a.ambient_degC) {
-      options.ambient_K = *a.ambient_degC + zero_degC_K;
-    }
     options.proceed = [&](double share) {
       progress.update_share(share);
       return true;
     };
-    all.found = commission(all.from.wire, recorded, anchors, options);
-  }
-  all.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return fitted_run(from, recorded, anchors, options, a.run, a.out);
+  }();
   const files::WireDescription wire =
       commissioned_wire(all, std::filesystem::path(a.out).stem().string());
   if (!a.report.empty()) {

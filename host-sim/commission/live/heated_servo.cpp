@@ -5,6 +5,7 @@
 #include <cmath>
 #include <exception>
 #include <fmt/format.h>
+#include <functional>
 
 #include "firmware/command.hpp"
 #include "firmware/text/device_names.hpp"
@@ -65,6 +66,21 @@ Fault cause_of_end(can::Remote& remote) {
   return std::ranges::find(source_gone, code) != source_gone.end()
              ? Fault::bus_lost
              : text::find_fault(fmt::format("{:04X}h", code));
+}
+
+/// Does it, and once more if that fails: an answer is lost, or whoever else uses the bus interrupts
+/// what ends a run. What went wrong at last; empty: nothing.
+std::string tried_again(const std::function<void()>& act) {
+  std::string wrong;
+  for (int i = 0; i < 2; ++i) {
+    try {
+      act();
+      return "";
+    } catch (const std::exception& error) {
+      wrong = error.what();
+    }
+  }
+  return wrong;
 }
 
 void pass_time(can::Bus& bus, std::int64_t until_us) {
@@ -289,19 +305,19 @@ std::string HeatedServo::put_back() noexcept {
     return "; nothing was heated";
   }
   begun_ = false;
-  try {
-    remote_.disable();
-  } catch (const std::exception& error) {
+  const std::string hot = tried_again([&] { remote_.disable(); });
+  if (!hot.empty()) {
     return fmt::format(
         "; the heat could not be switched off from here ({}): the servo ends it by itself {} s "
         "after the last command",
-        error.what(), timeout_s_);
+        hot, timeout_s_);
   }
-  try {
+  const std::string other = tried_again([&] {
     remote_.set("target.power_W", power_text_);
     remote_.set("6060", mode_);
-  } catch (const std::exception& error) {
-    return fmt::format("; the heat is off; mode and set-point are not as before: {}", error.what());
+  });
+  if (!other.empty()) {
+    return fmt::format("; the heat is off; mode and set-point are not as before: {}", other);
   }
   return "; the heat is off";
 }

@@ -81,7 +81,7 @@ std::string Readings::take(double time_s, double reading_m) {
 
 void Question::ask() {
   asked_ = true;
-  person_.ask("displacement in mm (Enter: no reading): ");
+  person_.ask("displacement in mm (Enter: no reading): ", until_us_);
 }
 
 bool Question::look(std::int64_t now_us, double time_s) {
@@ -102,16 +102,17 @@ bool Question::look(std::int64_t now_us, double time_s) {
     return false;
   }
   if (trimmed(*typed).empty()) {
+    person_.answered("");
     return true;
   }
   const std::optional<double> mm = reading_mm(*typed);
   const std::string objection =
       mm ? readings_.take(time_s, 1e-3 * *mm)
          : fmt::format("'{}' is no length in mm, such as 3.4", files::printable(*typed));
+  person_.answered(objection);
   if (objection.empty()) {
     return true;
   }
-  person_.say(objection);
   ask();
   return false;
 }

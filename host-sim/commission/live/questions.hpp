@@ -11,7 +11,7 @@
 
 namespace smaservo::commission {
 
-/// Whoever sits before the terminal.
+/// Whoever answers: before the terminal, or in a browser. A function may throw, which ends the run.
 class Person {
  public:
   virtual ~Person() = default;
@@ -22,10 +22,17 @@ class Person {
   virtual void show(std::string_view line) = 0;
   /// A line that stays.
   virtual void say(std::string_view line) = 0;
-  /// Begins a question: forgets what was typed before it, and leaves the cursor behind it.
-  virtual void ask(std::string_view question) = 0;
+  /// Begins a question: forgets what was typed before it, and leaves the cursor behind it. It ends
+  /// at this time of the bus.
+  virtual void ask(std::string_view question, std::int64_t until_us) = 0;
   /// The next line that was typed since; does not wait.
   virtual std::optional<std::string> typed() = 0;
+  /// What became of the line that typed() returned last: taken as a reading or as none, or why not.
+  virtual void answered(std::string_view objection) {
+    if (!objection.empty()) {
+      say(objection);
+    }
+  }
 };
 
 /// A reading as typed: "3.4", "3,4", "3.4 mm". Nothing: not one.

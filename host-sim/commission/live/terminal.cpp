@@ -40,7 +40,7 @@ void TerminalPerson::say(std::string_view line) {
   files::complain("host-sim", line);
 }
 
-void TerminalPerson::ask(std::string_view question) {
+void TerminalPerson::ask(std::string_view question, std::int64_t /*until_us*/) {
   end_line();
   input_.clear();
   tcflush(STDIN_FILENO, TCIFLUSH);

@@ -17,7 +17,7 @@ class TerminalPerson final : public Person {
   bool is_there() override { return is_there_; }
   void show(std::string_view line) override;
   void say(std::string_view line) override;
-  void ask(std::string_view question) override;
+  void ask(std::string_view question, std::int64_t until_us) override;
   std::optional<std::string> typed() override;
 
  private:

@@ -270,6 +270,22 @@ TEST_F(LiveCommission, ALostBusIsSaid) {
   EXPECT_THAT(folder.names(), IsEmpty());
 }
 
+// Whoever ends a run may interrupt the bus more than once.
+TEST_F(LiveCommission, IsPutBackThoughThatIsInterrupted) {
+  int interrupts = 0;
+  once_heated([&] {
+    watched.on_send = [&](const hal::CanFrame&) {
+      if (interrupts++ == 0) {
+        throw files::UserError("interrupted again");
+      }
+    };
+    throw files::UserError("interrupted");
+  });
+  EXPECT_THAT(refused(), HasSubstr("interrupted; the heat is off"));
+  EXPECT_GT(interrupts, 1);
+  expect_left_alone();
+}
+
 TEST_F(LiveCommission, ASignalEndsTheHeat) {
   const auto before = std::signal(SIGINT, [](int) {});
   {

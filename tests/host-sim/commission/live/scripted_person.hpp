@@ -17,7 +17,7 @@ class ScriptedPerson final : public Person {
     ++shown;
   }
   void say(std::string_view line) override { said.emplace_back(line); }
-  void ask(std::string_view question) override {
+  void ask(std::string_view question, std::int64_t /*until_us*/) override {
     asked.emplace_back(question);
     waits = false;
   }
