@@ -10,6 +10,7 @@
 #include <set>
 
 #include "host-sim/background.hpp"
+#include "host-sim/page/servos/commissioning/commissioner.hpp"
 #include "host-sim/page/servos/messages/exports.hpp"
 #include "host-sim/page/servos/operations.hpp"
 #include "host-sim/page/servos/traffic/off_switch.hpp"
@@ -50,8 +51,11 @@ class Bridge final : public Source, private TrafficEvents {
 
   /// Does the next task; if there is none, waits a few milliseconds for the bus.
   void round();
-  /// Interrupts the present task of the bus's thread.
-  void interrupt() { bus_.interrupt(); }
+  /// Interrupts the present task of the bus's thread, before stop().
+  void interrupt() {
+    ends_ = true;
+    bus_.interrupt();
+  }
 
   const Control& control() const { return control_; }
 
@@ -108,6 +112,11 @@ class Bridge final : public Source, private TrafficEvents {
                          const Job& job);
   nlohmann::json heat(Servo& servo, const std::string& service, const nlohmann::json& request,
                       const Job& job);
+  void commission(Servo& servo, const Job& job);
+  void leave_commissioned(Servo& servo);
+  void fit_commissioned(Commissioner::Heated heated, const Reply& reply);
+  void cancel_commission(std::uint32_t client);
+  void require_free_bus() const;
   nlohmann::json history(const nlohmann::json& request);
   void begin_recording(const Caller& caller, const nlohmann::json& request, const Reply& reply);
   void write_parameters(unsigned node, const std::vector<Operations::NewValue>& values);
@@ -134,6 +143,7 @@ class Bridge final : public Source, private TrafficEvents {
   void apply_wishes();
   void show(const Servo& servo);
   void publish_bridge(std::int64_t now_us);
+  void publish_commission(std::int64_t now_us);
   void watch_clients(std::int64_t now_us);
   std::string bridge_text(std::int64_t now_us);
   std::int64_t wall_ns(std::int64_t bus_us) const { return wall_ns_at_0_ + 1000 * bus_us; }
@@ -149,6 +159,7 @@ class Bridge final : public Source, private TrafficEvents {
   Operations operations_;
   std::atomic<Sink*> sink_ = nullptr;
   std::atomic<std::int64_t> wall_ns_at_0_ = 0;
+  std::atomic<bool> ends_ = false;      ///< stop() comes next
   std::atomic<int> activity_node_ = 0;  ///< the node of a running operation; 0: none
 
   // Used only by the bus's thread.
@@ -160,9 +171,11 @@ class Bridge final : public Source, private TrafficEvents {
   std::int64_t ticked_us_ = 0;  ///< 0: not set yet
   std::int64_t trouble_us_ = 0, published_us_ = 0, wall_us_ = -10'000'000, check_us_ = 0;
   std::map<unsigned, std::int64_t> live_until_us_;
+  std::int64_t commission_us_ = 0;  ///< when smaservo.Commission was sent last
 
   // Shared by all threads.
   KeptRecordings recordings_;
+  Commissioner commissioner_;
   mutable std::mutex mutex_;
   std::deque<Job> jobs_;
   NodeSet to_check_;

@@ -17,11 +17,14 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint32_t bridge_channel = 1;
+constexpr std::uint32_t commission_channel = 2;
 constexpr std::uint32_t live_channel = 1000;   ///< plus the node-id
 constexpr std::uint32_t state_channel = 2000;  ///< plus the node-id
 constexpr std::uint32_t ros_channel = 3000;  ///< plus the node-id: live values for readers of ROS 2
 
 constexpr std::int64_t bridge_period_us = 250'000;
+/// Of smaservo.Commission while no wire is commissioned.
+constexpr std::int64_t idle_commission_period_us = 1'000'000;
 /// Live values are still read for this time after the last page has gone, so that a reload misses
 /// nothing.
 constexpr std::int64_t linger_us = 60'000'000;
@@ -51,7 +54,9 @@ std::vector<Channel> Bridge::channels() {
   static const std::string live = live_schema();
   static const std::string state = state_schema();
   static const std::string definition = live_definition();
-  std::vector<Channel> all{{bridge_channel, "/bridge", "smaservo.Bridge", bridge}};
+  static const std::string commission = commission_schema();
+  std::vector<Channel> all{{bridge_channel, "/bridge", "smaservo.Bridge", bridge},
+                           {commission_channel, "/commission", "smaservo.Commission", commission}};
   const std::scoped_lock lock(mutex_);
   for (const auto& [node, shown] : shown_) {
     all.push_back({live_channel + node, fmt::format("/node{}/live", node), "smaservo.Live", live});
@@ -235,6 +240,22 @@ void Bridge::ticked(std::int64_t now_us) {
   if (now_us - published_us_ >= bridge_period_us) {
     watch_clients(now_us);
     publish_bridge(now_us);
+  }
+  publish_commission(now_us);
+}
+
+/// At each change, and from time to time for whoever has come since.
+void Bridge::publish_commission(std::int64_t now_us) {
+  const std::int64_t period_us =
+      commissioner_.is_busy() ? bridge_period_us : idle_commission_period_us;
+  if (!commissioner_.has_changed() && now_us - commission_us_ < period_us) {
+    return;
+  }
+  commission_us_ = now_us;
+  Sink* const sink = sink_;
+  if (sink != nullptr && is_wanted(commission_channel)) {
+    sink->message(commission_channel, wall_ns(now_us),
+                  std::make_shared<const std::string>(commissioner_.message(now_us)));
   }
 }
 

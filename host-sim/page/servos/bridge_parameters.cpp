@@ -137,6 +137,7 @@ void Bridge::set_parameters(
     if (!leave.refusal.empty()) {
       throw UserError(leave.refusal);
     }
+    require_free_bus();
     Job job{"setParameters", caller.client, leave.ticket, {}, answer};
     job.run = [this, node, wanted] {
       write_parameters(node, wanted);

@@ -28,7 +28,7 @@ using nlohmann::json;
 enum class Kind : std::uint8_t {
   at_once,   ///< needs no bus
   apart,     ///< needs no bus, and takes long
-  rights,    ///< changes who has control, or stops
+  rights,    ///< changes who has control, or stops, or is of the client that leads a run
   reading,   ///< allowed for any client
   changing,  ///< allowed for any client that is not read-only
   writing,   ///< needs control
@@ -65,6 +65,11 @@ constexpr auto service_rows = std::to_array<ServiceRow>({
     {"store", Kind::writing, "node:integer"},
     {"restore", Kind::writing, "node:integer toml:string"},
     {"step", Kind::writing, "node:integer amplitude_um:number seconds:number"},
+    {"commission", Kind::writing,
+     "node:integer readings?:integer reading_sd_m?:number pace?:number"},
+    {"commission_answer", Kind::rights, "reading?:string"},
+    {"commission_cancel", Kind::rights, ""},
+    {"commission_file", Kind::at_once, "as:string"},
     {"choose", Kind::apart,
      "force_N:number stroke_m:number time_s:number length_m?:number supply_V?:number "
      "ambient_K?:number fan_m_s?:number one_way?:boolean spring_N?:number spring_N_m?:number "
@@ -170,6 +175,14 @@ bool Bridge::call_at_once(const Caller& caller, const std::string& service, cons
     answer = explained(request);
   } else if (service == "export") {
     answer = recordings_.exported(request);
+  } else if (service == "commission_file") {
+    answer = commissioner_.file(request);
+  } else if (service == "commission_answer") {
+    commissioner_.answer(caller.client, request, reply);
+    return true;
+  } else if (service == "commission_cancel") {
+    cancel_commission(caller.client);
+    answer = json::object();
   } else if (service == "take_control") {
     if (caller.read_only) {
       throw UserError(read_only_refusal);
@@ -217,7 +230,24 @@ void Bridge::queue(const Caller& caller, const std::string& service, const json&
     }
     job.ticket = leave.ticket;
   }
-  if (service == "record") {
+  if (service != "disable") {
+    require_free_bus();
+  }
+  if (service == "commission") {
+    commissioner_.begin(caller.client, commission_task(request));
+    const Job asked{service, job.client, job.ticket, {}, job.reply};
+    job.run = [this, service, request, asked] {
+      work(service, request, asked);
+      return std::string();
+    };
+    // As for `record`: the answer comes when the wire is fitted.
+    job.reply = [this, reply_ = job.reply](const Answer& answer) {
+      if (!answer.ok) {
+        commissioner_.failed(answer.text);
+        reply_(answer);
+      }
+    };
+  } else if (service == "record") {
     job.run = [this, caller, request, reply_ = job.reply] {
       begin_recording(caller, request, reply_);
       return std::string();
@@ -234,6 +264,7 @@ void Bridge::queue(const Caller& caller, const std::string& service, const json&
   }
   if (service == "disable") {
     const NodeSet node = NodeSet{}.set(node_in(request));
+    commissioner_.ends(node_in(request));
     off_switch_.off(node & all_nodes());
     if (activity_node_ == static_cast<int>(node_in(request))) {
       bus_.interrupt();
@@ -275,7 +306,9 @@ json Bridge::work_on(Servo& servo, const std::string& service, const json& reque
   if (service == "enable" || service == "step") {
     return heat(servo, service, request, job);
   }
-  if (service == "disable") {
+  if (service == "commission") {
+    commission(servo, job);
+  } else if (service == "disable") {
     operations_.disable(servo);
   } else if (service == "reset_faults") {
     operations_.reset_faults(servo);
@@ -343,6 +376,106 @@ json Bridge::heat(Servo& servo, const std::string& service, const json& request,
     const std::scoped_lock lock(mutex_);
     to_check_ |= node;
     throw;
+  }
+}
+
+// Commissioning.
+
+/// While a run has the bus's thread, requests of others would wait for minutes, and then do
+/// something that nobody expects any more.
+void Bridge::require_free_bus() const {
+  if (const std::optional<unsigned> node = commissioner_.node_on_bus()) {
+    throw UserError(
+        fmt::format("node {} is being commissioned, and the bridge does nothing else on the bus "
+                    "until its heat is off",
+                    *node));
+  }
+}
+
+/// Records a guided run, and hands it over to be fitted.
+void Bridge::commission(Servo& servo, const Job& job) {
+  const NodeSet heated = control_.heated();
+  for (unsigned node = 1; node < heated.size(); ++node) {
+    if (heated[node]) {
+      throw UserError(fmt::format("node {} is enabled: disable it first", node));
+    }
+  }
+  for (const Recorded& running : recorded_) {
+    if (running.recording.node() == servo.node) {
+      throw UserError(fmt::format("{}: a recording is running; commissioning needs the recorder",
+                                  servo.title()));
+    }
+  }
+  if (trial_) {
+    throw UserError("a trial is going on; keep it or revert it first");
+  }
+  if (!control_.heat(job.ticket, servo.node)) {
+    throw UserError("control has passed on");
+  }
+  // Says from now on whether this run has commanded the servo.
+  servo.commanded.word.reset();
+  servo.enabled_us = 0;
+  const auto look = [&] {
+    if (ends_ || !control_.holds(job.ticket)) {
+      throw Interrupted();
+    }
+    if (servo.commanded.word && servo.enabled_us == 0) {
+      // Renewed from now on as an axis that a client has enabled.
+      servo.enabled_us = bus_.now_us();
+      operations_.shorten_watch(servo);
+    }
+  };
+  try {
+    Commissioner::Heated done = commissioner_.heat(operations_.remote(servo), look);
+    leave_commissioned(servo);
+    fit_commissioned(std::move(done), job.reply);
+  } catch (...) {
+    const bool commanded = servo.commanded.word.has_value();
+    leave_commissioned(servo);
+    if (commanded) {
+      const std::scoped_lock lock(mutex_);
+      to_check_.set(servo.node);
+    } else if (ends_ || commissioner_.is_cancelled() || !control_.holds(job.ticket)) {
+      // While the run listens for other masters, it hears this program's own off switch as one.
+      throw Interrupted();
+    }
+    throw;
+  }
+}
+
+void Bridge::leave_commissioned(Servo& servo) {
+  servo.enabled_us = 0;
+  control_.cooled(servo.node);
+  // RPDO1 would bring the mode of the run back.
+  off_switch_.knows_no_pdo(servo.node);
+  traffic_.refresh(servo.node);
+  try {
+    operations_.put_back_watch(servo);
+  } catch (const std::exception& error) {
+    trouble(fmt::format("{}: {}", servo.title(), error.what()));  // tried again later
+  }
+}
+
+/// In a thread of its own, as choose().
+void Bridge::fit_commissioned(Commissioner::Heated heated, const Reply& reply) {
+  const auto run = std::make_shared<const Commissioner::Heated>(std::move(heated));
+  const bool begun = background_.run([this, run, reply] {
+    try {
+      commissioner_.fit(*run, [this] { return !background_.ended(); });
+      reply({true, "{}"});
+    } catch (const std::exception& error) {
+      commissioner_.failed(error.what());
+      reply({false, error.what()});
+    }
+  });
+  if (!begun) {
+    throw UserError("the run is recorded, but too many ask at once for the wire to be fitted");
+  }
+}
+
+void Bridge::cancel_commission(std::uint32_t client) {
+  if (const std::optional<unsigned> node = commissioner_.cancel(client)) {
+    switch_off(NodeSet{}.set(*node));
   }
 }
 

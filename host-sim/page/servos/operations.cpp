@@ -204,9 +204,11 @@ void Operations::skip_changes(Servo& servo) {
 
 // Motion.
 
-/// Shortens the servo's watch time-out; it is left unchanged if the bridge's access level does not
-/// suffice.
-void Operations::shorten_watch(Servo& servo, can::Remote& remote) {
+void Operations::shorten_watch(Servo& servo) {
+  if (servo.usual_timeout_s) {
+    return;
+  }
+  can::Remote remote = this->remote(servo);
   const float usual_s = canopen::as_real(whole(remote, watch_key));
   if (usual_s <= plan_.watch_s) {
     return;
@@ -231,9 +233,7 @@ void Operations::put_back_watch(Servo& servo) {
 
 void Operations::enable(Servo& servo, Control::Ticket ticket) {
   can::Remote remote = this->remote(servo);
-  if (!servo.usual_timeout_s) {
-    shorten_watch(servo, remote);
-  }
+  shorten_watch(servo);
   if (!control_.heat(ticket, servo.node)) {
     throw UserError("control has passed on");
   }

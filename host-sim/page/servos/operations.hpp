@@ -40,6 +40,9 @@ class Operations {
   void enable(Servo& servo, Control::Ticket ticket);
   /// Switches the current off and checks that; the servo's watch time-out is the usual one again.
   void disable(Servo& servo);
+  /// Shortens the servo's watch time-out; it is left unchanged if the bridge's access level does
+  /// not suffice.
+  void shorten_watch(Servo& servo);
   /// Restores the servo's usual watch time-out.
   void put_back_watch(Servo& servo);
   void reset_faults(Servo& servo);
@@ -66,7 +69,6 @@ class Operations {
   Step step(Servo& servo, Control::Ticket ticket, std::int32_t amplitude_um, double seconds);
 
  private:
-  void shorten_watch(Servo& servo, can::Remote& remote);
   static void read_pdo(Servo& servo, can::Remote& remote);
   void set_position(Servo& servo, double value);
 

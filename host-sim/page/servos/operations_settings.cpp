@@ -31,16 +31,6 @@ std::vector<can::Change> changes_from(const std::vector<Operations::NewValue>& v
   return changes;
 }
 
-json difference_messages(const std::vector<can::Difference>& all) {
-  json messages = json::array();
-  for (const can::Difference& d : all) {
-    messages.push_back({{"name", d.row->path.text()},
-                        {"file", json::parse(parameter_json(*d.row, d.here))},
-                        {"node", json::parse(parameter_json(*d.row, d.there))}});
-  }
-  return messages;
-}
-
 std::vector<can::Difference> differences_of(can::Remote remote, const std::string& toml) {
   const Settings<double> node = can::read_settings(remote);
   return can::differences(can::text_settings(toml, "the file", node), node);

@@ -96,6 +96,25 @@ choose::Task chosen_task(const json& request) {
   return task;
 }
 
+CommissionTask commission_task(const json& request) {
+  CommissionTask task;
+  task.node = node_in(request);
+  if (request.contains("readings")) {
+    const double readings = number_in(request, "readings", 0, commission::most_questions);
+    if (readings != std::floor(readings)) {
+      throw UserError("readings: must be a whole number");
+    }
+    task.readings = static_cast<std::size_t>(readings);
+  }
+  if (request.contains("reading_sd_m")) {
+    task.reading_sd_m = number_in(request, "reading_sd_m", 1e-6, 1);
+  }
+  if (request.contains("pace")) {
+    task.pace = number_in(request, "pace", 0.05, 2);
+  }
+  return task;
+}
+
 can::RecordingPlan recording_plan(const json& request, double longest_s) {
   can::RecordingPlan plan;
   plan.seconds = number_in(request, "seconds", 0.001, longest_s);

@@ -7,6 +7,7 @@
 
 #include "host-sim/can/bus/recorder.hpp"
 #include "host-sim/choose/choose.hpp"
+#include "host-sim/commission/live/sequence.hpp"
 
 namespace smaservo::page {
 
@@ -17,6 +18,14 @@ std::string text_in(const nlohmann::json& request, const char* name);
 
 /// What `choose` is asked for.
 choose::Task chosen_task(const nlohmann::json& request);
+/// What `commission` is asked for.
+struct CommissionTask {
+  unsigned node = 1;
+  std::size_t readings = 1;  ///< of the heated wire; 0: nothing is asked
+  double reading_sd_m = 0.1e-3;
+  double pace = 1;  ///< factor on the durations of all levels
+};
+CommissionTask commission_task(const nlohmann::json& request);
 /// The plan of a recording that `record` is asked for, of at most `longest_s`.
 can::RecordingPlan recording_plan(const nlohmann::json& request, double longest_s);
 /// The recording of a message made by recording_message().

@@ -102,6 +102,27 @@ std::string state_schema() {
   return json_text(object_schema(properties));
 }
 
+std::string commission_schema() {
+  json properties;
+  for (const char* name : {"node", "client"}) {
+    properties[name] = typed("integer");
+  }
+  for (const char* name : {"stage", "line", "error"}) {
+    properties[name] = typed("string");
+  }
+  for (const char* name : {"said", "files"}) {
+    properties[name] = list_of(typed("string"));
+  }
+  for (const char* name : {"left_s", "share"}) {
+    properties[name] = typed("number");
+  }
+  properties["result"] = object_schema({{"text", typed("string")},
+                                        {"numbers", some_object()},
+                                        {"notes", list_of(typed("string"))},
+                                        {"differences", list_of(some_object())}});
+  return json_text(object_schema(properties));
+}
+
 std::string request_schema(std::string_view members) {
   json properties = json::object();
   json required = json::array();

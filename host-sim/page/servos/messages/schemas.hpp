@@ -14,6 +14,7 @@ std::string live_schema();
 /// names are in lower case, as ROS 2 demands.
 std::string live_definition();
 std::string state_schema();
+std::string commission_schema();
 
 /// The schema of a request with these members, such as "node:integer signals:strings
 /// trigger?:string"; the last one here may be missing.

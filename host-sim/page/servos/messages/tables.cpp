@@ -242,6 +242,16 @@ std::size_t parameter_row(const std::string& path) {
                       : fmt::format("{}: is no parameter", files::printable(path)));
 }
 
+json difference_messages(const std::vector<can::Difference>& all) {
+  json messages = json::array();
+  for (const can::Difference& d : all) {
+    messages.push_back({{"name", d.row->path.text()},
+                        {"file", json::parse(parameter_json(*d.row, d.here))},
+                        {"node", json::parse(parameter_json(*d.row, d.there))}});
+  }
+  return messages;
+}
+
 ParameterName parameter_of(const std::string& name) {
   const std::size_t dot = name.find('.');
   unsigned node = 0;

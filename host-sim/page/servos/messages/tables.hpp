@@ -7,6 +7,7 @@
 
 #include "firmware/parameters/parameters.hpp"
 #include "host-sim/can/bus/recording.hpp"
+#include "host-sim/can/settings.hpp"
 #include "host-sim/page/servos/history.hpp"
 
 namespace smaservo::page {
@@ -31,6 +32,9 @@ std::string parameter_json(const Parameter<double>& row, Value value);
 /// The text of a JSON value for text::value_bytes(). Throws UserError if its type is not the
 /// parameter's.
 std::string parameter_text(const Parameter<double>& row, const nlohmann::json& value);
+
+/// One object {name, file, node} for each.
+nlohmann::json difference_messages(const std::vector<can::Difference>& all);
 
 /// A parameter of a node, such as "node3.strain.proportional_W".
 struct ParameterName {

@@ -9,6 +9,7 @@
 #include "hal/replay/trace.hpp"
 #include "host-sim/commission/live/live.hpp"
 #include "host-sim/end_by_signal.hpp"
+#include "model/files/error.hpp"
 #include "tests/hal/replay/temporary_folder.hpp"
 #include "tests/host-sim/can/can_client.hpp"
 #include "tests/host-sim/commission/live/scripted_person.hpp"

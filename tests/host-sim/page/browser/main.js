@@ -16,6 +16,7 @@ const tests = {
   ...require('./parameters.js'),
   ...require('./steps.js'),
   ...require('./guide.js'),
+  ...require('./commission.js'),
   ...require('./control.js'),
   ...require('./losses.js'),
   ...require('./others.js'),

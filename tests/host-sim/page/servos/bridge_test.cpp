@@ -18,8 +18,8 @@ TEST_F(PageServos, AreFoundAndSaid) {
   for (const Channel& channel : bench.bridge.channels()) {
     topics.push_back(channel.topic);
   }
-  EXPECT_THAT(topics,
-              testing::ElementsAre("/bridge", "/node5/live", "/node5/state", "/node5/signals"));
+  EXPECT_THAT(topics, testing::ElementsAre("/bridge", "/commission", "/node5/live", "/node5/state",
+                                           "/node5/signals"));
   EXPECT_GT(bench.told.channel_lists, 0U);
   EXPECT_EQ(bench.get("node5.limits.current_A"), "0.4");
 }

@@ -9,29 +9,13 @@
 #include "host-sim/choose/output.hpp"
 #include "host-sim/page/servos/messages/tables.hpp"
 #include "model/units.hpp"
+#include "tests/host-sim/page/base64.hpp"
 #include "tests/host-sim/page/servos/page_servos.hpp"
 
 namespace smaservo::page {
 namespace {
 
-/// As RFC 4648 says.
-std::string from_base64(const std::string& text) {
-  constexpr std::string_view digits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string bytes;
-  std::size_t bits = 0;
-  unsigned count = 0;
-  for (const char c : text.substr(0, text.find('='))) {
-    bits = (bits << 6U | digits.find(c)) & 0xFFFFU;
-    count += 6;
-    if (count < 8) {
-      continue;
-    }
-    count -= 8;
-    bytes += static_cast<char>(bits >> count & 0xFFU);
-  }
-  return bytes;
-}
+using test::from_base64;
 
 /// The rows of an MCAP file.
 std::string csv_of(const std::string& mcap) {
@@ -294,6 +278,8 @@ TEST_F(PageServos, SettingsComeBackFromAFile) {
 }
 
 TEST_F(PageServos, FoxgloveTakesEachSchemaAndItsMessages) {
+  bench.bridge.subscribed(2, 1);
+  bench.run(1.1);
   for (const Channel& channel : bench.bridge.channels()) {
     if (channel.encoding != Encoding::json) {
       continue;

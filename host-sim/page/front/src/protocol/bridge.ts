@@ -125,6 +125,33 @@ export interface Difference {
   node: Value;
 }
 
+/** A guided run that makes a wire file, or the last one. */
+export interface Commission {
+  node: number | null;
+  client: number | null; ///< who leads it
+  stage: 'none' | 'waiting' | 'checking' | 'asking' | 'heating' | 'fitting' | 'done' | 'failed';
+  line: string; ///< what goes on now
+  said: string[];
+  left_s: number | null; ///< of the question
+  share: number; ///< of the fit
+  error: string;
+  files: ('wire' | 'run' | 'readings')[];
+  result: Commissioned | null;
+}
+
+export interface Commissioned {
+  text: string; ///< as `host-sim commission` prints it
+  notes: string[];
+  differences: Difference[]; ///< between the wire that was found and that of the settings
+  numbers: {
+    cold_ohm: number;
+    cold_factor: number;
+    distance: number;
+    expected_error_of_stroke: Record<'before' | 'after', { strain: number; stroke: number }>;
+    anchors: unknown[];
+  };
+}
+
 /** What the service `choose` answers. */
 export interface Choice {
   wires: ChosenWire[]; ///< those that do it, the best first

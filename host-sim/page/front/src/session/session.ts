@@ -4,7 +4,7 @@ import { batch, computed, effect, signal, untracked } from '@preact/signals';
 import { Feed } from '../live/feed';
 import { isUnits } from '../numbers/units';
 import { PlotGroup } from '../plot/group';
-import type { Bridge, Description, NodeInfo, State, Value } from '../protocol/bridge';
+import type { Bridge, Commission, Description, NodeInfo, State, Value } from '../protocol/bridge';
 import { parseJson } from '../protocol/codec';
 import { Connection, type NamedValue, type Socket, subprotocol } from '../protocol/connection';
 import { say, sayError } from './notices';
@@ -17,6 +17,7 @@ export const client = signal<number | null>(null);
 export const version = signal('');
 const readOnlyClient = signal(false);
 export const bridge = signal<Bridge | null>(null);
+export const commission = signal<Commission | null>(null);
 export const description = signal<Description | null>(null);
 export const states = signal<Record<number, State>>({});
 /** Of all servos, by their full names such as node1.strain.proportional_W. */
@@ -127,6 +128,7 @@ export function start(): void {
         ready.value = 0;
         lostReason.value = reason;
         client.value = null;
+        commission.value = null;
         bridge.value = bridge.value && { ...bridge.value, control: null, activity: null };
       }),
     services: () => {
@@ -145,6 +147,12 @@ export function start(): void {
     const message = parseJson(data);
     if (message) {
       bridge.value = message as unknown as Bridge;
+    }
+  });
+  connection.on('/commission', (data) => {
+    const message = parseJson(data);
+    if (message) {
+      commission.value = message as unknown as Commission;
     }
   });
   effect(follow);

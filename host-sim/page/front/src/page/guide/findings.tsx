@@ -29,6 +29,7 @@ export const steps = [
   { id: 'limits', title: 'Limits' },
   { id: 'resistor', title: 'A resistor first' },
   { id: 'heat', title: 'First heating' },
+  { id: 'commission', title: 'A wire file without a displacement sensor' },
   { id: 'tune', title: 'Tune' },
   { id: 'keep', title: 'Keep' },
 ] as const;

@@ -3,6 +3,7 @@
 
 import type { JSX } from 'preact';
 import { node } from '../../session/session';
+import { CommissionStep } from './commission_step';
 import { findingOf, forget, opened, saidText, type StepId, steps } from './findings';
 import { BusStep, KeepStep, LimitsStep, WireStep } from './settings_steps';
 import { HeatStep, ResistorStep, TuneStep } from './heated_steps';
@@ -13,6 +14,7 @@ const views: Record<StepId, () => JSX.Element> = {
   limits: LimitsStep,
   resistor: ResistorStep,
   heat: HeatStep,
+  commission: CommissionStep,
   tune: TuneStep,
   keep: KeepStep,
 };
