@@ -1,5 +1,6 @@
-// A wire file from a guided run, with the person in the browser as the one who reads the caliper. A run takes half of
-// its usual times, 42 s; the first test a minute and a quarter in all, the second three quarters.
+// A wire file from a guided run, with the person in the browser as the one who reads the caliper. The run of the
+// first test takes half of its usual times, 42 s, and the test a minute and a quarter; those of the second are ended
+// early, within three quarters of a minute.
 'use strict';
 
 const { by, download, gone, shown, succeeds, text, until, usable } = require('./world.js');
@@ -19,7 +20,8 @@ async function start(view, readings, pace) {
   await by(view, 'commission-start').click();
 }
 
-const heats = (view) => text(view, 'commission-line', /^cycle 1 of 3, level 1 of 2: \d{2,} mA/);
+/** More than what only measures the resistance, in whichever level a slow machine is when it looks. */
+const heats = (view) => text(view, 'commission-line', /^cycle \d of 3, level \d+ of \d+: ([5-9]\d|\d{3})[.\d]* mA/);
 
 /** No current flows, and nothing of the run is left. */
 async function left_alone(world) {
@@ -42,12 +44,12 @@ module.exports = {
     await by(view, 'commission-reading').fill('1,5');
     await by(view, 'commission-take').click();
     await gone(view, 'commission-reading');
-    await text(second, 'commission-line', /^cycle 1 of 3, level 1 of 2/);
+    await text(second, 'commission-line', /^cycle \d of 3, level \d+ of \d+: .* s left/);
 
     // The hot wire, a slip of the finger first. The second page, which plots all along, is the caliper.
     await tab(second, 'live');
     await text(view, 'commission-said', /read the displacement of the heated wire/);
-    await text(view, 'commission-line', /A reading is asked for: (1\d|20) s left/);
+    await text(view, 'commission-line', /A reading is asked for: \d+ s left/);
     await by(view, 'commission-reading').fill('77');
     await view.keyboard.press('Enter');
     await text(
@@ -84,20 +86,20 @@ module.exports = {
   async 'the heat of commissioning ends by Cancel, by the stop, with the browser and with the bridge'({ view, world }) {
     await open_step(view);
     for (const end of ['commission-cancel', 'stop']) {
-      await start(view, 0, '0.5');
+      await start(view, 0, '1');
       await heats(view);
       await by(view, end).click();
       await text(view, 'commission-error', /the heat is off/);
       await left_alone(world);
     }
-    await start(view, 0, '0.5');
+    await start(view, 0, '1');
     await heats(view);
     await view.context().close();
     await left_alone(world);
     const later = await world.visit();
     await open_step(later);
     await text(later, 'commission-error', /the heat is off/);
-    await start(later, 0, '0.5');
+    await start(later, 0, '1');
     await heats(later);
     await world.bridge.stop('SIGTERM');
     await left_alone(world);
