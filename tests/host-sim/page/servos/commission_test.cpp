@@ -155,6 +155,7 @@ TEST_F(PageCommission, WithoutReadingsNothingIsAsked) {
   wait_for(got);
   ASSERT_TRUE(got->ok) << got->text;
   EXPECT_EQ(said()["files"], json({"wire", "run"}));
+  EXPECT_EQ(state()["unsaved"], false) << "no parameter was changed";
   EXPECT_THAT(bench.call(1, "commission_file", R"({"as":"readings"})").text, HasSubstr("has none"));
 }
 
