@@ -116,6 +116,7 @@ Commissioner::Heated Commissioner::heat(can::Remote remote, const std::function<
     change_to(Stage::checking);
   }
   looks_ = looks;
+  looks_();
   Heated heated{can::read_settings(remote), std::make_unique<TemporaryFolder>(), {}};
   const std::string name = fmt::format("commission-node{}.csv", task.node);
   commission::LiveOptions options;

@@ -34,9 +34,9 @@ class Commissioner final : private commission::Person {
     std::unique_ptr<TemporaryFolder> folder;
     commission::LiveRun run;
   };
-  /// Records the run that has begun; in the bus's thread. `looks` is called each quarter of a
-  /// second at least, between two transfers: it throws if the run must end. Throws what
-  /// record_live() throws, and Interrupted.
+  /// Records the run that has begun; in the bus's thread. `looks` is called first, and then four
+  /// times a second at least while it heats or asks, between two transfers: it throws if the run
+  /// must end. Throws what record_live() throws, and Interrupted.
   Heated heat(can::Remote remote, const std::function<void()>& looks);
   /// Fits the wire of the servo's settings; takes some seconds. `goes_on` is asked from time to
   /// time. Throws what commission() throws; the files of the run stay.
