@@ -74,7 +74,7 @@ module.exports = {
 
     await by(view, 'commission-write').click();
     await succeeds(view, 'the wire in the servo', async () =>
-      /The servo has this wire/.test(await by(view, 'commission-write').textContent()),
+      /settings are this wire file's/.test(await by(view, 'commission-write').textContent()),
     );
     const [, strain_percent] = /martensite strain from \S+ to ([\d.]+)/.exec(printed);
     const written = await world.read('wire.martensite.strain');

@@ -34,8 +34,9 @@ export function CommissionStep() {
       <p>
         The servo heats the wire in three cycles, {least_s} s in all, and records what it reads; in the first one at
         most 70{'\u00a0'}% of {named('limits.current_A')} flow. You read where the wire's end is, with a caliper or a
-        ruler: once while it is cold, then while it is hot and the heat is held for you, 20 s at most each time. From
-        both the bridge makes a wire file for this piece of wire.
+        ruler: once while it is cold, then while it is hot and the heat is held for at most 20 s each time. Any scale
+        will do: only the distance from the cold reading counts. From the recording and your readings the bridge makes a
+        wire file for this piece of wire.
       </p>
       {failed && (
         <>
@@ -91,7 +92,7 @@ function Start({ most_s, failed }: { most_s: number; failed: string }) {
           </select>
         </label>
         <NumberField
-          title="Their standard deviation"
+          title="Standard deviation of a reading"
           unit="mm"
           value={sd_mm.value}
           set={(value) => {
@@ -101,7 +102,7 @@ function Start({ most_s, failed }: { most_s: number; failed: string }) {
           testid="commission-sd"
         />
         <NumberField
-          title="Factor on all times"
+          title="Factor on the durations"
           unit="0.05 to 2"
           value={pace.value}
           set={(value) => {
@@ -113,10 +114,11 @@ function Start({ most_s, failed }: { most_s: number; failed: string }) {
       </div>
       <p class="soft">
         {readings.value === 0
-          ? 'Without readings little is learned of the stroke. '
-          : `With the readings it takes ${most_s} s at most, beside the cold reading. `}
-        A thick wire follows slowly: double the times for it. This servo and no other is commanded meanwhile. Keep a
-        finger at Escape.
+          ? 'Without readings the wire file is hardly better than the settings. '
+          : `With the readings the heating takes ${most_s} s at most. Before it you have 300 s for the reading of the ` +
+            'cold wire; without that one no other is asked for. '}
+        A thick wire follows slowly: double the durations for it. Meanwhile no other servo can be commanded. The wire
+        becomes hot enough to burn. Escape switches all servos off: keep a finger on it.
       </p>
       {refused && refused !== failed && (
         <p class="refused" data-testid="commission-refused">
@@ -135,7 +137,7 @@ function Start({ most_s, failed }: { most_s: number; failed: string }) {
         <button
           type="button"
           data-testid="guide-commission-left-out"
-          onClick={() => found('commission', 'Left out: the wire is that of the settings.')}>
+          onClick={() => found('commission', "Left out: the servo's settings of the wire stay as they are.")}>
           Leave it out
         </button>
       </div>
@@ -147,7 +149,7 @@ function Running({ run }: { run: Commission }) {
   const mine = run.client === client.value;
   return (
     <>
-      {run.node !== node.value && <p>It is node {run.node} that is commissioned.</p>}
+      {run.node !== node.value && <p>The run that goes on is of node {run.node}.</p>}
       <p class="commission-line" role="status" data-testid="commission-line">
         {progressText(run)}
       </p>
@@ -276,7 +278,9 @@ function Result({ run, result }: { run: Commission; result: Commissioned }) {
           disabled={written || !mayWrite.value}
           data-testid="commission-write"
           onClick={() => void write(changed, 'commissioned')}>
-          {written ? 'The servo has this wire' : `Write ${result.differences.length} parameters to the servo`}
+          {written
+            ? "The servo's settings are this wire file's"
+            : `Write ${result.differences.length} parameters to the servo`}
         </button>
         <button
           type="button"

@@ -24,6 +24,7 @@ export function isRunning(run: Commission | null): run is Commission {
 export function progressText(run: Commission): string {
   switch (run.stage) {
     case 'waiting':
+      return 'Waiting for the bus …';
     case 'checking':
       return 'Servo and wire are checked …';
     case 'asking':
