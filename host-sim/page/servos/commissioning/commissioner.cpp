@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <fmt/format.h>
 #include <thread>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "host-sim/page/servos/messages/exports.hpp"
 #include "host-sim/page/servos/messages/tables.hpp"
 #include "model/files/error.hpp"
+#include "model/files/input_file.hpp"
 #include "model/files/message.hpp"
 
 namespace smaservo::page {
@@ -25,18 +25,6 @@ using nlohmann::json;
 constexpr std::size_t most_said = 8;
 constexpr std::size_t longest_answer = 40;
 constexpr const char* wire_name = "wire.toml";
-
-std::string text_of(const std::string& path) {
-  std::string text;
-  if (std::FILE* const file = std::fopen(path.c_str(), "rb")) {
-    std::array<char, 65536> part{};
-    while (const std::size_t got = std::fread(part.data(), 1, part.size(), file)) {
-      text.append(part.data(), got);
-    }
-    std::fclose(file);
-  }
-  return text;
-}
 
 /// A message without the folder of this machine, in which the run is for a short while.
 std::string without(const std::string& folder, std::string text) {
@@ -131,8 +119,9 @@ Commissioner::Heated Commissioner::heat(can::Remote remote, const std::function<
     heated.run.anchors.clear();
     heated.run.notes.emplace_back("a single reading tells nothing, and is not used");
   }
+  std::string rows = files::whole_file(heated.run.path);
   std::unique_lock lock(mutex_);
-  files_.run = text_of(heated.run.path);
+  files_.run = std::move(rows);
   files_.run_name = name;
   if (!heated.run.anchors.empty()) {
     files_.readings = commission::anchors_csv(heated.run.anchors);
