@@ -27,9 +27,10 @@ enum class Column : unsigned char {
   ambient,
   strain_ref,
   displacement,
-  resistance,  ///< this and `power`: read only if TraceOptions ask for them
-  power,
-  supply,  ///< this and the following: read only if TraceOptions ask for a device's columns
+  resistance,  ///< this and both powers: read only if TraceOptions ask for them
+  power,       ///< of a calorimeter, per mass
+  heating,     ///< electrical power, where there are no current and voltage
+  supply,      ///< this and the following: read only if TraceOptions ask for a device's columns
   driver,
   emergency_stop,
   driver_fault,
@@ -54,7 +55,7 @@ struct TraceOptions {
   /// Columns under another name: "time_s=step" or, with a factor, "time_s=step*5"; or a quantity, a
   /// column by name or number, and its unit: "current=3:mA".
   std::vector<std::string> renames;
-  /// Interpret `resistance` and `power` as well; otherwise they are kept as text like unknown
+  /// Interpret `resistance` and both powers as well; otherwise they are kept as text like unknown
   /// columns.
   bool resistance_and_power = false;
   /// Interpret the columns that only a device needs as well. An empty field is then a reading that

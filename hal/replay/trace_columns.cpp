@@ -34,6 +34,7 @@ constexpr std::array<Known, column_count> known_columns{{
     {"displacement", kind::length, -10, 10},
     {"resistance", kind::resistance, 0, 1e6},
     {"power", kind::specific_power, -1e7, 1e7},
+    {"power", kind::power, 0, 1e4},
     {"supply", kind::voltage, -1e4, 1e4},
     {"driver", kind::temperature, 50, 2000},
     {"emergency_stop", kind::count, 0, 1},
@@ -159,6 +160,7 @@ TraceColumns::TraceColumns(std::string_view header, const TraceOptions& options,
   }
   recognise();
   take_resistance();
+  leave_power();
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (targets_[i].value == column_count) {
       unknown_.push_back(i);
@@ -218,6 +220,16 @@ void TraceColumns::take_resistance() {
     const std::size_t i = position(Column::resistance);
     recognised_ += fmt::format("{}voltage = current times the resistance of column {} '{}'",
                                recognised_.empty() ? "" : "; ", i + 1, names_[i]);
+  }
+}
+
+/// Leaves an electrical power as text that follows from other columns, or is a calorimeter's beside
+/// the one per mass.
+void TraceColumns::leave_power() {
+  constexpr auto heating = static_cast<std::size_t>(Column::heating);
+  if (has_[heating] && (has(Column::current) || has(Column::voltage) || has(Column::power))) {
+    targets_[position(Column::heating)] = {};
+    has_[heating] = false;
   }
 }
 
@@ -355,7 +367,7 @@ std::optional<std::size_t> TraceColumns::find_column(const std::string& column) 
 bool TraceColumns::apply_unit(const std::string& rename, const std::string& name,
                               const std::string& column) {
   const std::size_t colon = column.rfind(':');
-  const std::size_t k = index_of(name);
+  std::size_t k = index_of(name);
   if (colon == std::string::npos || k == column_count ||
       !understood(static_cast<Column>(k), options_)) {
     return false;
@@ -365,6 +377,14 @@ bool TraceColumns::apply_unit(const std::string& rename, const std::string& name
     return false;
   }
   const std::string unit = column.substr(colon + 1);
+  constexpr auto heating = static_cast<std::size_t>(Column::heating);
+  if (name == known_columns[heating].base && unit_of(name + "_" + unit, name, kind::power)) {
+    if (targets_[*found].value == column_count && !has_[heating]) {
+      explain(*found, name + "_" + unit);
+      return true;
+    }
+    k = heating;
+  }
   const auto meaning = meaning_of(fmt::format("{} [{}]", name, unit));
   if (!meaning || meaning->unit.empty()) {
     fail(fmt::format("--column {}: {} is no unit of {}; known are: {}", rename, unit, name,
@@ -414,9 +434,9 @@ void TraceColumns::explain(std::size_t i, const std::string& name) {
         (meaning->unit.empty() ? foreign_ && name == column.base : meaning->doubt.empty())) {
       return;
     }
-    // A known quantity in an unknown unit is an error, not an unknown column. Power in watts is
-    // allowed, because it is another quantity than specific power.
-    if (k != static_cast<std::size_t>(Column::power) &&
+    // A known quantity in an unknown unit is an error, not an unknown column. A power is allowed:
+    // there are two quantities of this name, and powers of other things.
+    if (column.base != "power" &&
         (name == column.base || (name.starts_with(column.base) && name[column.base.size()] == '_' &&
                                  looks_like_unit(name.substr(column.base.size() + 1))))) {
       fail(

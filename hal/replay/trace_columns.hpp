@@ -73,6 +73,7 @@ class TraceColumns {
   void explain(std::size_t i, const std::string& name);
   void recognise();
   void take_resistance();
+  void leave_power();
   void take(std::size_t i, const Meaning& meaning);
   void hint(std::size_t i, const Meaning& meaning, bool one_of_several);
   std::optional<std::size_t> find_column(const std::string& column) const;

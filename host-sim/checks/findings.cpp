@@ -22,10 +22,9 @@ std::vector<double> heating_K(const Record& record, const Geometry<double>& geom
       density_kg_m3 * specific_heat_J_kgK * geometry.diameter_m / (4 * still_air_W_m2K);
   std::vector<double> all;
   double now_K = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t i = 0; i < std::min(record.current_A.size(), record.voltage_V.size()); ++i) {
-    const double settled_K =
-        record.current_A[i] * record.voltage_V[i] / (still_air_W_m2K * geometry.surface_m2());
-    const bool timed = record.kind == RunKind::joule && i > 0 && !record.time_s.empty();
+  for (std::size_t i = 0; i < record.heated_rows(); ++i) {
+    const double settled_K = record.heating_W_at(i) / (still_air_W_m2K * geometry.surface_m2());
+    const bool timed = record.kind != RunKind::settled && i > 0 && !record.time_s.empty();
     const double step = timed ? (record.time_s[i] - record.time_s[i - 1]) / delay_s : 1e9;
     now_K = std::isnan(now_K) ? settled_K : now_K + (settled_K - now_K) * -std::expm1(-step);
     all.push_back(now_K);

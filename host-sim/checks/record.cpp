@@ -58,6 +58,8 @@ std::string_view name_of(RunKind kind) {
       return "settled";
     case RunKind::calorimetry:
       return "calorimetry";
+    case RunKind::imposed:
+      return "imposed strain";
   }
   return "";
 }
@@ -141,6 +143,7 @@ Record Recorder::finish(const std::string& name, const Geometry<double>& geometr
   record.temperature_K = take(hal::Column::temperature);
   record.ambient_K = take(hal::Column::ambient);
   record.power_W_kg = take(hal::Column::power);
+  record.heating_W = take(hal::Column::heating);
   if (record.stress_Pa.empty()) {
     for (const double newton : of(hal::Column::load)) {
       record.stress_Pa.push_back(newton / geometry.area_m2());

@@ -1,6 +1,7 @@
 #pragma once
 // What a trace holds, in SI, as the checks and the identification look at it.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,13 +17,16 @@
 namespace smaservo::checks {
 
 /// The kind of an experiment. It follows from the columns; the first matching kind counts:
-/// - calorimetry: `power` and temperature; a sample heated and cooled in a calorimeter.
-/// - joule: current and voltage that heat the wire, and time. There may be a temperature, but that
-///   of an infrared camera or a thermocouple on a thin wire is unreliable and is not needed.
+/// - calorimetry: specific power and temperature; a sample heated and cooled in a calorimeter.
+/// - joule: current and voltage that heat the wire, or their power, and time. There may be a
+///   temperature, but that of an infrared camera or a thermocouple on a thin wire is unreliable and
+///   is not needed.
+/// - imposed: the same, but a test frame or a stop sets the strain, and the load follows. No column
+///   tells it from joule.
 /// - settled: current and voltage that heat the wire, without time: each row is a settled state.
 /// - bath: temperature, in a liquid or an oven. There may be current and voltage if they only
 ///   measure the resistance, with less than 0.1 W per metre: 2 K in still air, less in a bath.
-enum class RunKind : unsigned char { bath, joule, settled, calorimetry };
+enum class RunKind : unsigned char { bath, joule, settled, calorimetry, imposed };
 
 std::string_view name_of(RunKind kind);
 
@@ -48,11 +52,21 @@ struct Record {
   std::vector<double> resistance_ohm;
   std::vector<double> temperature_K, ambient_K;
   std::vector<double> power_W_kg;
+  std::vector<double> heating_W;  ///< the column; see heating_W_at()
 
   std::vector<std::uint64_t> lines;  ///< of the rows; empty: the record is from no file
   std::string line_word;             ///< what they are: "line"
   std::array<Place, hal::column_count> places;
 
+  /// The number of rows whose electrical power is known; 0 where none is.
+  std::size_t heated_rows() const {
+    return heating_W.empty() ? std::min(current_A.size(), voltage_V.size()) : heating_W.size();
+  }
+  /// The electrical power of a row, from its column or from current and voltage, which the record
+  /// must have then.
+  double heating_W_at(std::size_t index) const {
+    return heating_W.empty() ? current_A[index] * voltage_V[index] : heating_W[index];
+  }
   /// "line 17", of a spreadsheet "row 17"; "row 12" where the record is from no file.
   std::string row(std::size_t index) const;
   /// "column 2 'I [mA]'"; `otherwise` where the record is from no file.

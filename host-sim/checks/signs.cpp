@@ -116,16 +116,23 @@ void check_signs(const Record& record, const RecordedWire& wire, Findings& found
   constexpr double surely = 0.3;
   // Without a voltage, as where its column is not understood, nothing says when the wire is heated.
   const Values heating = heating_K(record, wire.geometry);
-  if (record.strain.size() == heating.size() && correlation(record.strain, heating) > surely) {
+  // A test frame that sets the strain may stretch the wire while it is heated; the force rises
+  // then. A spring's force does so where the strain has the wrong sign.
+  const bool frame = record.kind == RunKind::imposed;
+  const bool may_be_frame = record.strain.size() == record.stress_Pa.size() &&
+                            correlation(record.strain, record.stress_Pa) > surely;
+  if (!frame && record.strain.size() == heating.size() &&
+      correlation(record.strain, heating) > surely) {
     const Place& strain = record.places[static_cast<std::size_t>(hal::Column::strain_ref)];
     found.push_back(
         {"direction", true,
          fmt::format(
              "the wire gets longer where it is heated, and shape-memory wire gets shorter; "
              "strain_ref is positive where the wire is long, displacement_mm where it is short. "
-             "If it is the other way round: --column {}",
+             "If it is the other way round: --column {}{}",
              strain.column > 0 ? fmt::format("strain_ref={}*-1", strain.column)
-                               : turned(record, hal::Column::displacement, "displacement_mm"))});
+                               : turned(record, hal::Column::displacement, "displacement_mm"),
+             may_be_frame ? ". If a test frame stretched it: identify --imposed-strain" : "")});
   }
 }
 

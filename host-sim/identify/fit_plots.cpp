@@ -31,6 +31,7 @@ std::vector<double> places(const Run& run) {
 /// All comparisons of a run as columns; NaN for quantities that a run does not have.
 struct FitColumns {
   report::Column place, temperature, measured, model, residual, resistance, resistance_model;
+  report::Column stress, stress_model;  ///< MPa
 };
 
 FitColumns columns_of(const FittedRun& run, const std::vector<double>& place,
@@ -48,21 +49,28 @@ FitColumns columns_of(const FittedRun& run, const std::vector<double>& place,
   for (std::size_t i = 0; i < residual.size() && i < run.strain_measured.size(); ++i) {
     residual[i] = (residual[i] - factor * run.strain_measured[i]) / (heat ? 1 : nominal_stroke);
   }
+  for (std::size_t i = 0; i < std::min(run.stress_model_Pa.size(), residual.size()); ++i) {
+    residual[i] = 1e-6 * (run.stress_model_Pa[i] - run.stress_measured_Pa[i]);
+  }
   return {report::column(place),
           report::column(scaled(run.temperature_K, 1, zero_degC_K)),
           report::column(scaled(run.strain_measured, factor)),
           report::column(scaled(run.strain_model, factor)),
           report::column(std::move(residual)),
           report::column(scaled(run.resistance_measured, 1)),
-          report::column(scaled(run.resistance_model, 1))};
+          report::column(scaled(run.resistance_model, 1)),
+          report::column(scaled(run.stress_measured_Pa, 1e-6)),
+          report::column(scaled(run.stress_model_Pa, 1e-6))};
 }
 
 class RunDrawing {
  public:
-  RunDrawing(const FittedRun& fitted, const Run& run, std::size_t number, double nominal_stroke)
+  /// `role`: "run"; axes of plots of the same role and number are linked.
+  RunDrawing(const FittedRun& fitted, const Run& run, std::string_view role, std::size_t number,
+             double nominal_stroke)
       : run_(fitted),
-        name_(file_name(fitted.name)),
-        link_(fmt::format("run {}", number)),
+        name_(file_name(fitted.name) + (role == "run" ? "" : fmt::format(", {}", role))),
+        link_(fmt::format("{} {}", role, number)),
         columns_(columns_of(fitted, places(run), nominal_stroke)) {}
 
   std::vector<report::Panel> all() const {
@@ -86,6 +94,9 @@ class RunDrawing {
                                 c.resistance, c.resistance_model));
         }
         break;
+      case RunKind::imposed:
+        return {curve("stress", "time", "stress in MPa", c.place, c.stress, c.stress_model),
+                residual("time", c.place, "model - measured in MPa")};
       case RunKind::joule:
       case RunKind::settled: {
         const char* over = run_.kind == RunKind::joule ? "time" : "number of the state";
@@ -109,11 +120,12 @@ class RunDrawing {
   std::string circumstances() const {
     const Circumstances<double>& c = run_.circumstances;
     std::string text;
-    if (run_.kind == RunKind::joule || run_.kind == RunKind::settled) {
+    const bool imposed = run_.kind == RunKind::imposed;
+    if (run_.kind == RunKind::joule || run_.kind == RunKind::settled || imposed) {
       text = fmt::format("Ambient {:.1f} °C, heat loss times {:.3f}. ", c.ambient_K - zero_degC_K,
                          c.loss);
     }
-    if (run_.strain.count > 0) {
+    if (run_.strain.count > 0 || imposed) {
       text += fmt::format("The run's zero of strain stands at {:.3f} %. ", 100 * c.strain_zero);
     }
     if (run_.resistance.count > 0) {
@@ -136,9 +148,11 @@ class RunDrawing {
   report::Panel curve(const char* what, const char* over, const char* label,
                       const report::Column& x, const report::Column& measured,
                       const report::Column& model) const {
-    report::Panel panel =
-        plot(fmt::format("{}: {} over {}", name_, what, over),
-             std::string_view(what) == "strain" ? circumstances() : "", unit(over), label, x);
+    report::Panel panel = plot(
+        fmt::format("{}: {} over {}", name_, what, over),
+        std::string_view(what) == "strain" || std::string_view(what) == "stress" ? circumstances()
+                                                                                 : "",
+        unit(over), label, x);
     panel.series = {measured_series(x, measured), model_series(x, model)};
     return panel;
   }
@@ -189,6 +203,15 @@ class RunDrawing {
   FitColumns columns_;
 };
 
+void draw(const std::vector<FittedRun>& fitted, const std::vector<Run>& runs, std::string_view role,
+          double nominal_stroke, std::vector<report::Panel>& to) {
+  for (std::size_t i = 0; i < fitted.size(); ++i) {
+    for (report::Panel& panel : RunDrawing(fitted[i], runs[i], role, i, nominal_stroke).all()) {
+      to.push_back(std::move(panel));
+    }
+  }
+}
+
 /// The observer's error in runs that a fit has not seen, over the stress of the run.
 report::Panel judgement_panel(const FitResult& fit, const std::vector<Run>& runs) {
   std::vector<double> stress_MPa;
@@ -229,12 +252,14 @@ std::vector<report::Panel> fit_panels(const FitResult& fit, const std::vector<Ru
   if (!judgement.series.empty()) {
     all.push_back(std::move(judgement));
   }
-  for (std::size_t i = 0; i < fit.runs.size(); ++i) {
-    const RunDrawing drawing(fit.runs[i], runs[i], i, fit.wire.nominal_stroke);
-    for (report::Panel& panel : drawing.all()) {
-      all.push_back(std::move(panel));
-    }
-  }
+  draw(fit.runs, runs, "run", fit.wire.nominal_stroke, all);
+  return all;
+}
+
+std::vector<report::Panel> held_out_panels(const std::vector<FittedRun>& fitted,
+                                           const std::vector<Run>& runs, double nominal_stroke) {
+  std::vector<report::Panel> all;
+  draw(fitted, runs, "held out", nominal_stroke, all);
   return all;
 }
 

@@ -18,6 +18,7 @@ namespace {
 constexpr double max_strain = 0.15;
 constexpr double max_resistance = 0.10;
 constexpr double max_power = 0.5;
+constexpr double max_stress_Pa = 100e6;
 
 double largest_of(const std::vector<double>& values) {
   double largest = 0;
@@ -30,6 +31,7 @@ double largest_of(const std::vector<double>& values) {
 /// The error of a run relative to what a fit may leave; above 1 the run is not explained.
 double unexplained(const FittedRun& run) {
   const double share = run.kind == RunKind::calorimetry ? run.power.rms / max_power
+                       : run.kind == RunKind::imposed   ? run.stress_Pa.rms / max_stress_Pa
                        : run.strain.count > 0           ? run.strain.rms / max_strain
                                                         : run.resistance.rms / max_resistance;
   return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
@@ -38,6 +40,9 @@ double unexplained(const FittedRun& run) {
 std::string deviation_text(const FittedRun& run) {
   if (run.kind == RunKind::calorimetry) {
     return fmt::format("heat flow by {:.0f} % of its greatest", 100 * run.power.rms);
+  }
+  if (run.kind == RunKind::imposed) {
+    return fmt::format("stress by {:.0f} MPa", 1e-6 * run.stress_Pa.rms);
   }
   return run.strain.count > 0
              ? fmt::format("strain by {:.1f} % of the nominal stroke", 100 * run.strain.rms)
@@ -77,10 +82,12 @@ void check_better_than_mean(const FittedRun& run) {
   };
   const bool calorimetry = run.kind == RunKind::calorimetry;
   const double ohm = run.resistance_measured.empty() ? 0 : largest_of(run.resistance_measured);
-  for (const Channel& channel : {Channel{calorimetry ? "heat flow" : "strain", run.strain_model,
-                                         run.strain_measured, calorimetry ? 0 : min_strain / 4},
-                                 Channel{"resistance", run.resistance_model,
-                                         run.resistance_measured, min_resistance / 4 * ohm}}) {
+  for (const Channel& channel :
+       {Channel{calorimetry ? "heat flow" : "strain", run.strain_model, run.strain_measured,
+                calorimetry ? 0 : min_strain / 4},
+        Channel{"resistance", run.resistance_model, run.resistance_measured,
+                min_resistance / 4 * ohm},
+        Channel{"stress", run.stress_model_Pa, run.stress_measured_Pa, 0}}) {
     if (channel.measured.empty() || (calorimetry && &channel.model != &run.strain_model)) {
       continue;
     }

@@ -22,7 +22,7 @@ namespace smaservo::identify {
 namespace {
 
 struct IdentifyArguments {
-  std::vector<std::string> runs;
+  std::vector<std::string> runs, held_out;
   std::string from{files::default_wire};
   std::vector<std::string> settings, columns, allowed;
   std::string out, report;
@@ -31,6 +31,7 @@ struct IdentifyArguments {
   bool circuit = false;
   std::string structure{structure_names[0]};
   bool lenient = false;
+  bool imposed_strain = false;
   int threads = 0;  ///< 0: as many as there are cores
   std::optional<double> stress_MPa, load_N;
 };
@@ -62,10 +63,12 @@ void check_files(const IdentifyArguments& a) {
   if (!a.out.ends_with(".toml")) {
     throw files::UserError(fmt::format("--out {}: the name of a wire file ends in .toml", a.out));
   }
-  for (auto run = a.runs.begin(); run != a.runs.end(); ++run) {
+  std::vector<std::string> runs = a.runs;
+  runs.insert(runs.end(), a.held_out.begin(), a.held_out.end());
+  for (auto run = runs.begin(); run != runs.end(); ++run) {
     refuse_to_overwrite(*run, a.out);
     refuse_to_overwrite(*run, a.report);
-    for (auto other = a.runs.begin(); other != run; ++other) {
+    for (auto other = runs.begin(); other != run; ++other) {
       refuse_to_overwrite(*other, *run);
     }
   }
@@ -76,7 +79,8 @@ void check_files(const IdentifyArguments& a) {
   refuse_to_overwrite(a.out, a.report);
 }
 
-std::vector<Run> read_runs(const IdentifyArguments& a, const Geometry<double>& geometry) {
+std::vector<Run> read_runs(const IdentifyArguments& a, const std::vector<std::string>& paths,
+                           const Geometry<double>& geometry) {
   require("--stress-MPa", a.stress_MPa, 0, 1e4);
   require("--load-N", a.load_N, 0, 1e5);
   RunOptions options{geometry, {}, a.load_N, {}};
@@ -86,15 +90,16 @@ std::vector<Run> read_runs(const IdentifyArguments& a, const Geometry<double>& g
   options.trace.renames = a.columns;
   options.allowed = a.allowed;
   options.trace.lenient = a.lenient;
+  options.imposed_strain = a.imposed_strain;
   std::vector<Run> runs;
-  runs.reserve(a.runs.size());
-  for (const std::string& path : a.runs) {
+  runs.reserve(paths.size());
+  for (const std::string& path : paths) {
     runs.push_back(read_run(path, options));
   }
   return runs;
 }
 
-FitResult fit(const IdentifyArguments& a, const Wire<double>& from, const std::vector<Run>& runs) {
+void fit(const IdentifyArguments& a, const Wire<double>& from, Identification& all) {
   const Interrupt interrupt;
   files::Progress progress("fit");
   FitOptions options;
@@ -108,7 +113,10 @@ FitResult fit(const IdentifyArguments& a, const Wire<double>& from, const std::v
     progress.name(fmt::format("fit, {}", at.stage));
     return Interrupt::asked() == 0;
   };
-  return fit_wire(from, runs, options);
+  all.fit = fit_wire(from, all.runs, options);
+  if (!all.fit.interrupted) {
+    all.held_out = held_out(all.fit, all.held_out_runs, options);
+  }
 }
 
 void run(const IdentifyArguments& a) {
@@ -119,8 +127,16 @@ void run(const IdentifyArguments& a) {
   Identification all;
   all.from = from.name;
   all.out = a.out;
-  all.runs = read_runs(a, from.wire.geometry);
-  all.fit = fit(a, from.wire, all.runs);
+  all.runs = read_runs(a, a.runs, from.wire.geometry);
+  all.held_out_runs = read_runs(a, a.held_out, from.wire.geometry);
+  if (a.imposed_strain &&
+      std::ranges::find(all.runs, RunKind::imposed, &Run::kind) == all.runs.end()) {
+    throw files::UserError(
+        "--imposed-strain: none of the runs has what it takes: time, power (or current and "
+        "voltage), "
+        "strain and load; leave it out for runs in a bath, in a calorimeter or at rest");
+  }
+  fit(a, from.wire, all);
   all.wire = fitted_wire(from, all.fit, std::filesystem::path(a.out).stem().string());
   for (const Run& run : all.runs) {
     all.classics.push_back(fit_classics(run));
@@ -175,10 +191,16 @@ void add_identify_command(CLI::App& app) {
       ->check(
           CLI::IsMember(std::vector<std::string>(structure_names.begin(), structure_names.end())))
       ->capture_default_str();
+  command
+      ->add_option("--held-out", a->held_out,
+                   "a run that is not fitted but predicted, to judge the fit by; repeatable")
+      ->allow_extra_args(false);
   command->add_option("--threads", a->threads, "default: all cores")->check(CLI::Range(1, 1024));
   command->add_option("--load-N", a->load_N, "load of runs without a load, N");
   command->add_option("--stress-MPa", a->stress_MPa, "the same as a stress, MPa")
       ->excludes("--load-N");
+  command->add_flag("--imposed-strain", a->imposed_strain,
+                    "a test frame set the strain of the runs in time; fits the stress");
   command->add_option("--column", a->columns, column_help)->allow_extra_args(false);
   command->add_flag("--lenient", a->lenient, "skip and count bad rows instead of refusing them");
   command->add_option("--allow", a->allowed, checks::allow_help)->allow_extra_args(false);

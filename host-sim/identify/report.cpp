@@ -21,7 +21,7 @@ constexpr std::size_t shown_correlations = 5;
 constexpr std::size_t widest_line = 78;  ///< 80 columns less the indent of a list
 
 std::size_t rows_of(const FittedRun& run) {
-  return std::max({run.strain.count, run.resistance.count, run.power.count});
+  return std::max({run.strain.count, run.resistance.count, run.power.count, run.stress_Pa.count});
 }
 
 /// One line: files, runs, iterations, time.
@@ -85,39 +85,50 @@ std::vector<std::string> parameters_text(const FitResult& fit, bool determined) 
 }
 
 /// Whether a run has errors of this kind.
-bool has(const Identification& all, FitQuality FittedRun::* quality) {
-  return std::ranges::any_of(all.fit.runs,
-                             [&](const FittedRun& run) { return (run.*quality).count > 0; });
+bool has(const std::vector<FittedRun>& runs, FitQuality FittedRun::* quality) {
+  return std::ranges::any_of(runs, [&](const FittedRun& run) { return (run.*quality).count > 0; });
 }
 
 /// The errors of each run, with columns for strain, resistance and the classic functions if a run
 /// has them.
-files::TextTable runs_table(const Identification& all) {
+files::TextTable runs_table(const std::vector<FittedRun>& runs,
+                            const std::vector<std::vector<double>>& classics,
+                            const std::vector<std::string_view>& classic_names) {
   std::vector<files::TextTable::Column> columns{{"run"}, {"kind"}, {"rows", "{}"}};
   const auto add = [&](const std::string& heading) {
     columns.push_back({heading, "{:.2f}", "", 100});
   };
-  const bool strains = has(all, &FittedRun::strain);
-  const bool ohms = has(all, &FittedRun::resistance);
+  const bool stresses = has(runs, &FittedRun::stress_Pa);
+  if (stresses) {
+    for (const char* const heading : {"stress RMS", "stress 95 %", "stress max"}) {
+      columns.push_back({heading, "{:.1f}", "", 1e-6});
+    }
+  }
+  const bool strains = has(runs, &FittedRun::strain);
+  const bool ohms = has(runs, &FittedRun::resistance);
   if (strains) {
     std::ranges::for_each(std::array{"strain RMS", "strain 95 %", "strain max"}, add);
   }
   if (ohms) {
     std::ranges::for_each(std::array{"resistance RMS", "resistance max"}, add);
   }
-  for (const ClassicFit& classic :
-       std::ranges::max(all.classics, {}, &std::vector<ClassicFit>::size)) {
-    add(fmt::format("{} RMS", classic.name));
+  for (const std::string_view name : classic_names) {
+    add(fmt::format("{} RMS", name));
   }
   files::TextTable table(std::move(columns), "");
-  for (std::size_t i = 0; i < all.fit.runs.size(); ++i) {
-    const FittedRun& run = all.fit.runs[i];
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const FittedRun& run = runs[i];
     const auto there = [](const FitQuality& quality, double share) {
       return quality.count > 0 ? share : files::TextTable::Cell{};
     };
     const FitQuality& strain = run.strain;
     const FitQuality& ohm = run.resistance;
     files::TextTable::Row row{file_name(run.name), name_of(run.kind), rows_of(run)};
+    if (stresses) {
+      const FitQuality& stress = run.stress_Pa;
+      row.insert(row.end(), {there(stress, stress.rms), there(stress, stress.p95),
+                             there(stress, stress.maximum)});
+    }
     if (strains) {
       row.insert(row.end(), {there(strain, strain.rms), there(strain, strain.p95),
                              there(strain, strain.maximum)});
@@ -125,13 +136,32 @@ files::TextTable runs_table(const Identification& all) {
     if (ohms) {
       row.insert(row.end(), {there(ohm, ohm.rms), there(ohm, ohm.maximum)});
     }
-    for (const ClassicFit& classic : all.classics[i]) {
-      row.emplace_back(classic_rms(classic, all.runs[i], all.fit.wire.nominal_stroke));
+    if (i < classics.size()) {
+      row.insert(row.end(), classics[i].begin(), classics[i].end());
     }
     table.add(std::move(row));
   }
   return table;
 }
+
+files::TextTable runs_table(const Identification& all) {
+  std::vector<std::string_view> names;
+  for (const ClassicFit& classic :
+       std::ranges::max(all.classics, {}, &std::vector<ClassicFit>::size)) {
+    names.push_back(classic.name);
+  }
+  std::vector<std::vector<double>> errors(all.classics.size());
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    for (const ClassicFit& classic : all.classics[i]) {
+      errors[i].push_back(classic_rms(classic, all.runs[i], all.fit.wire.nominal_stroke));
+    }
+  }
+  return runs_table(all.fit.runs, errors, names);
+}
+
+constexpr std::string_view held_out_heading =
+    "runs held out: of each the first third tells its zero, air and heat loss, the\n"
+    "rest is predicted:";
 
 constexpr std::string_view judgement_heading =
     "structures by the observer's mean error in % of the stroke:";
@@ -193,10 +223,14 @@ std::string offset_text(const Identification& all) {
                    files::printable(all.from), all.fit.moved_K);
 }
 
-std::string joint_text(const FitResult& fit) {
-  const auto rms = joint_strain_rms(fit);
-  return rms ? fmt::format("strain of all runs: RMS {:.2f} % of the nominal stroke\n", 100 * *rms)
-             : "";
+std::string joint_text(const std::vector<FittedRun>& runs) {
+  const auto strain = joint_rms(runs, &FittedRun::strain);
+  const auto stress_Pa = joint_rms(runs, &FittedRun::stress_Pa);
+  return (strain ? fmt::format("strain of these runs: RMS {:.2f} % of the nominal stroke\n",
+                               100 * *strain)
+                 : "") +
+         (stress_Pa ? fmt::format("stress of these runs: RMS {:.1f} MPa\n", 1e-6 * *stress_Pa)
+                    : "");
 }
 
 std::string correlations_text(const FitResult& fit) {
@@ -215,12 +249,19 @@ std::string unit_of_errors(const Identification& all) {
   const std::string strain =
       fmt::format("strain{} in % of the {:g} % stroke",
                   classic ? ", also by classic functions," : "", 100 * all.fit.wire.nominal_stroke);
-  const bool strains = has(all, &FittedRun::strain);
-  const bool ohms = has(all, &FittedRun::resistance);
-  return strains && ohms ? strain + "; resistance in %"
-         : strains       ? strain
-         : ohms          ? "resistance in %"
-                         : "";
+  const bool strains = has(all.fit.runs, &FittedRun::strain);
+  const bool ohms = has(all.fit.runs, &FittedRun::resistance);
+  std::vector<std::string> units;
+  if (has(all.fit.runs, &FittedRun::stress_Pa)) {
+    units.emplace_back("stress in MPa");
+  }
+  if (strains) {
+    units.push_back(strain);
+  }
+  if (ohms) {
+    units.emplace_back("resistance in %");
+  }
+  return fmt::format("{}", fmt::join(units, "; "));
 }
 
 std::string parameters_html(const FitResult& fit) {
@@ -245,8 +286,7 @@ Json quality_json(const FitQuality& quality) {
           {"rows", quality.count}};
 }
 
-Json run_json(const Identification& all, std::size_t i) {
-  const FittedRun& run = all.fit.runs[i];
+Json run_json(const FittedRun& run) {
   Json json{{"file", run.name}, {"kind", name_of(run.kind)}, {"rows", rows_of(run)}};
   const std::pair<const char*, const FitQuality*> qualities[] = {
       {"strain", &run.strain}, {"resistance", &run.resistance}, {"heat_flow", &run.power}};
@@ -255,16 +295,19 @@ Json run_json(const Identification& all, std::size_t i) {
       json[name] = quality_json(*quality);
     }
   }
-  for (const ClassicFit& classic : all.classics[i]) {
-    json["classic_rms_percent"][std::string(classic.name)] =
-        100 * classic_rms(classic, all.runs[i], all.fit.wire.nominal_stroke);
+  if (run.stress_Pa.count > 0) {
+    json["stress"] = {{"rms_MPa", 1e-6 * run.stress_Pa.rms},
+                      {"p95_MPa", 1e-6 * run.stress_Pa.p95},
+                      {"max_MPa", 1e-6 * run.stress_Pa.maximum},
+                      {"rows", run.stress_Pa.count}};
   }
   const Circumstances<double>& c = run.circumstances;
-  if (run.kind == RunKind::joule || run.kind == RunKind::settled) {
+  const bool imposed = run.kind == RunKind::imposed;
+  if (run.kind == RunKind::joule || run.kind == RunKind::settled || imposed) {
     json["ambient_degC"] = c.ambient_K - zero_degC_K;
     json["loss_factor"] = c.loss;
   }
-  if (run.strain.count > 0) {
+  if (run.strain.count > 0 || imposed) {
     json["strain_zero"] = c.strain_zero;
   }
   if (run.resistance.count > 0) {
@@ -308,12 +351,13 @@ Json parameter_json(const FittedParameter& fitted) {
 
 }  // namespace
 
-std::optional<double> joint_strain_rms(const FitResult& fit) {
+std::optional<double> joint_rms(const std::vector<FittedRun>& runs,
+                                FitQuality FittedRun::* quality) {
   double sum = 0;
   double rows = 0;
-  for (const FittedRun& run : fit.runs) {
-    const auto count = static_cast<double>(run.strain.count);
-    sum += count * run.strain.rms * run.strain.rms;
+  for (const FittedRun& run : runs) {
+    const auto count = static_cast<double>((run.*quality).count);
+    sum += count * (run.*quality).rms * (run.*quality).rms;
     rows += count;
   }
   return rows > 0 ? std::optional(std::sqrt(sum / rows)) : std::nullopt;
@@ -327,7 +371,14 @@ double classic_rms(const ClassicFit& classic, const Run& run, double nominal_str
 std::string fit_summary(const Identification& all) {
   std::string text = heading(all) + "\n" + unit_of_errors(all);
   text += (text.ends_with('\n') ? "" : "\n") + runs_table(all).text();
-  text += heat_flows(all.fit) + joint_text(all.fit);
+  text += heat_flows(all.fit) + joint_text(all.fit.runs);
+  if (all.held_out.size() < all.held_out_runs.size()) {
+    text += "runs held out: not predicted, since the fit was interrupted\n";
+  }
+  if (!all.held_out.empty()) {
+    text += fmt::format("{}\n", held_out_heading) + runs_table(all.held_out, {}, {}).text() +
+            joint_text(all.held_out);
+  }
   text += offset_text(all);
   text += fmt::format("structure: {}\n", structure(all.fit.variant)) + circuit(all.fit);
   if (!all.fit.judgement.structures.empty()) {
@@ -362,6 +413,9 @@ std::string fit_json(const Identification& all) {
   if (const auto rms = joint_strain_rms(fit)) {
     json["strain_rms_percent"] = 100 * *rms;
   }
+  if (const auto rms_Pa = joint_rms(fit.runs, &FittedRun::stress_Pa)) {
+    json["stress_rms_MPa"] = 1e-6 * *rms_Pa;
+  }
   if (fit.moved_K != 0) {
     json["transitions_moved_K"] = fit.moved_K;
   }
@@ -385,7 +439,15 @@ std::string fit_json(const Identification& all) {
   }
   json["runs"] = Json::array();
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
-    json["runs"].push_back(run_json(all, i));
+    Json run = run_json(fit.runs[i]);
+    for (const ClassicFit& classic : all.classics[i]) {
+      run["classic_rms_percent"][std::string(classic.name)] =
+          100 * classic_rms(classic, all.runs[i], fit.wire.nominal_stroke);
+    }
+    json["runs"].push_back(std::move(run));
+  }
+  for (const FittedRun& run : all.held_out) {
+    json["runs_held_out"].push_back(run_json(run));
   }
   json["parameters"] = Json::array();
   for (const FittedParameter& fitted : fit.parameters) {
@@ -402,9 +464,13 @@ void write_fit_report(const std::string& path, const Identification& all, Units 
   std::string html =
       fmt::format("<p>{}</p>\n<p>{}</p>\n", files::escaped(heading(all)), unit_of_errors(all)) +
       runs_table(all).html();
-  for (const std::string& text : {joint_text(all.fit), heat_flows(all.fit), offset_text(all),
+  for (const std::string& text : {joint_text(all.fit.runs), heat_flows(all.fit), offset_text(all),
                                   "structure: " + structure(all.fit.variant), circuit(all.fit)}) {
     html += text.empty() ? "" : fmt::format("<p>{}</p>\n", files::escaped(text));
+  }
+  if (!all.held_out.empty()) {
+    html += fmt::format("<p>{}</p>\n", held_out_heading) + runs_table(all.held_out, {}, {}).html() +
+            fmt::format("<p>{}</p>\n", joint_text(all.held_out));
   }
   if (!all.fit.judgement.structures.empty()) {
     html += fmt::format("<p>{}</p>\n", files::escaped(judgement_heading)) +
@@ -412,7 +478,12 @@ void write_fit_report(const std::string& path, const Identification& all, Units 
   }
   const std::string judgement = judgement_text(all.fit);
   html += judgement.empty() ? "" : fmt::format("<p>{}</p>\n", files::escaped(judgement));
-  html += report::plots_html(fit_panels(all.fit, all.runs), units);
+  std::vector<report::Panel> panels = fit_panels(all.fit, all.runs);
+  for (report::Panel& panel :
+       held_out_panels(all.held_out, all.held_out_runs, all.fit.wire.nominal_stroke)) {
+    panels.push_back(std::move(panel));
+  }
+  html += report::plots_html(panels, units);
   html += parameters_html(all.fit);
   const std::string correlations = correlations_text(all.fit);
   if (!correlations.empty()) {

@@ -17,14 +17,21 @@ struct Identification {
   std::string from;  ///< name of the wire that the fit started from
   std::string out;   ///< file for the fitted wire
   std::vector<Run> runs;
+  std::vector<Run> held_out_runs;
   FitResult fit;
+  std::vector<FittedRun> held_out;
   files::WireDescription wire;
   std::vector<std::vector<ClassicFit>> classics;  ///< fits of each run, see fit_classics()
   double elapsed_s = 0;
 };
 
-/// RMS over all compared rows of all runs, as a share of the nominal stroke; none without strain.
-std::optional<double> joint_strain_rms(const FitResult& fit);
+/// RMS over all compared rows of all runs; none where no run has errors of this kind.
+std::optional<double> joint_rms(const std::vector<FittedRun>& runs,
+                                FitQuality FittedRun::* quality);
+/// That of the strain, as a share of the nominal stroke.
+inline std::optional<double> joint_strain_rms(const FitResult& fit) {
+  return joint_rms(fit.runs, &FittedRun::strain);
+}
 
 /// RMS of a classic function as a share of the nominal stroke, like that of the fit.
 double classic_rms(const ClassicFit& classic, const Run& run, double nominal_stroke);

@@ -32,7 +32,8 @@ constexpr auto shown =
                                                         {Column::strain_ref, "strain_ref"},
                                                         {Column::displacement, "displacement"},
                                                         {Column::resistance, "resistance"},
-                                                        {Column::power, "power"}});
+                                                        {Column::power, "power"},
+                                                        {Column::heating, "power"}});
 
 /// The values of each column in the unit of the file.
 class Ranges {
@@ -244,35 +245,51 @@ std::string missing(const Record& record) {
   return text;
 }
 
+/// What identify() can make of a record.
+struct Fits {
+  bool fits;
+  std::string command;  ///< beside the file and --out
+  std::string note;     ///< what it lacks, or what to know
+};
+Fits fits_of(const Record& record, const std::string& lacks, bool has_load, std::size_t loads) {
+  if (record.kind == RunKind::calorimetry) {
+    return {true, "", ""};
+  }
+  const bool bath = record.kind == RunKind::bath;
+  if (record.strain.empty() && !(bath && !record.resistance_ohm.empty())) {
+    return {false, "", "needs a displacement or strain_ref"};
+  }
+  const std::string load = has_load ? "" : " --load-N N";
+  if (!record.heating_W.empty() && !record.time_s.empty() && !bath) {
+    return {true, load, has_load ? "add --imposed-strain if a test frame set the strain" : ""};
+  }
+  if (!bath && !lacks.empty()) {
+    return {false, "", "needs " + lacks};
+  }
+  return {true, load,
+          loads < 3 && record.kind == RunKind::joule
+              ? "runs under three loads tell more; host-sim calibrate-plan says which"
+              : ""};
+}
+
 void find_uses(const InspectOptions& options, Facts& facts) {
   const Record& record = facts.record;
   const std::string words = words_of(options, facts.bad_rows > 0);
   const std::string file = quoted(options.trace);
-  const auto load = [&](const char* option) {
-    return record.stress_Pa.empty() ? std::string(" ") + option : "";
-  };
-  const bool bath = record.kind == RunKind::bath;
-  const bool calorimetry = record.kind == RunKind::calorimetry;
-  const std::string lacks = bath ? "" : missing(record);
-  facts.uses.push_back(
-      {"replay",
-       lacks.empty() ? fmt::format("host-sim replay{}{} --report report.html {}", words,
-                                   load("--load-N N"), file)
-                     : "",
-       lacks.empty() ? record.stress_Pa.empty() ? "the file has no load" : "" : "needs " + lacks});
-  const bool strain = !record.strain.empty();
-  const bool fits = strain || (bath && !record.resistance_ohm.empty()) || calorimetry;
+  const bool has_load = !record.stress_Pa.empty();
+  const std::string lacks = record.kind == RunKind::bath ? "" : missing(record);
+  facts.uses.push_back({"replay",
+                        lacks.empty() ? fmt::format("host-sim replay{}{} --report report.html {}",
+                                                    words, has_load ? "" : " --load-N N", file)
+                                      : "",
+                        lacks.empty() ? has_load ? "" : "the file has no load" : "needs " + lacks});
+  const Fits fits = fits_of(record, lacks, has_load, facts.loads_MPa.size());
   const std::string from = words.starts_with(" --wire ") ? " --from" + words.substr(7) : words;
-  facts.uses.push_back({"identify",
-                        fits && (calorimetry || lacks.empty())
-                            ? fmt::format("host-sim identify{}{} --out mine.toml {}", from,
-                                          calorimetry ? "" : load("--load-N N"), file)
-                            : "",
-                        !fits                            ? "needs a displacement or strain_ref"
-                        : !calorimetry && !lacks.empty() ? "needs " + lacks
-                        : facts.loads_MPa.size() < 3 && record.kind == RunKind::joule
-                            ? "runs under three loads tell more; host-sim calibrate-plan says which"
-                            : ""});
+  facts.uses.push_back(
+      {"identify",
+       fits.fits ? fmt::format("host-sim identify{}{} --out mine.toml {}", from, fits.command, file)
+                 : "",
+       fits.note});
 }
 
 }  // namespace

@@ -104,6 +104,14 @@ double max_power(const FitRun& run) {
   return max;
 }
 
+double max_stress_Pa(const FitRun& run) {
+  double max = 1e5;
+  for (const double stress_Pa : run.measured_stress_Pa) {
+    max = std::max(max, std::abs(stress_Pa));
+  }
+  return max;
+}
+
 Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOptions& options)
     : from_(from), runs_in_full_(runs), options_(options) {
   for (const Run& run : runs) {
@@ -112,6 +120,7 @@ Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOption
     circumstances_.push_back(circumstances_of(runs_.back(), run));
     Weights weights;
     weights.power_sd = 0.03 * max_power(runs_.back());
+    weights.stress_sd = 0.05 * max_stress_Pa(runs_.back());
     weights_.push_back(weights);
     first_weights_.push_back(weights);
   }
@@ -178,9 +187,10 @@ bool Fit::circumstance_active(std::size_t i, int index) const {
   switch (index) {
     case iAmbient:
     case iLoss:
-      return run.kind == RunKind::joule || run.kind == RunKind::settled;
+      return run.kind == RunKind::joule || run.kind == RunKind::settled ||
+             run.kind == RunKind::imposed;
     case iZero:
-      return run.has_strain && !zero_known_[i];
+      return run.kind == RunKind::imposed || (run.has_strain && !zero_known_[i]);
     case iGain:
       return run.has_resistance;
     case iRate:
@@ -396,6 +406,7 @@ void Fit::fit_order() {
 double Fit::start() {
   calorimetry();
   stress_levels();
+  find_zeros();
   return cost(everything());
 }
 

@@ -84,13 +84,15 @@ struct FittedRun {
   FitQuality resistance;  ///< relative
   /// Error of the resistance after the model's strain is corrected to the measured one.
   FitQuality given_strain;
-  FitQuality power;  ///< calorimetry, as a share of the greatest heat flow
+  FitQuality power;      ///< calorimetry, as a share of the greatest heat flow
+  FitQuality stress_Pa;  ///< imposed strain
   Circumstances<double> circumstances;
   // One element for every comparison, for plots and tables; NaN: not compared.
   std::vector<double> temperature_K;  ///< measured, or otherwise that of the fit
   std::vector<double> strain_measured, strain_model;
   std::vector<double> resistance_measured, resistance_model, resistance_given_strain;
-  std::vector<double> ambiguity;  ///< see Predicted
+  std::vector<double> ambiguity;                            ///< see Predicted
+  std::vector<double> stress_measured_Pa, stress_model_Pa;  ///< imposed strain
 };
 
 /// How the observer errs with a structure: the mean error of its strain in each of the judged runs,
@@ -151,6 +153,14 @@ struct FitResult {
 /// if the runs cannot determine anything, or if a transition of `from` falls with stress.
 FitResult fit_wire(const Wire<double>& from, const std::vector<Run>& runs,
                    const FitOptions& options);
+
+/// Share of a run that is held out whose rows tell what belongs to it alone.
+inline constexpr double held_out_known_share = 1.0 / 3;
+/// How the fitted wire predicts runs that the fit has not seen. The first rows of each one tell its
+/// zeros, air, heat loss and gain; only those behind them are judged. The air and the loss have the
+/// priors of a fit.
+std::vector<FittedRun> held_out(const FitResult& fit, const std::vector<Run>& runs,
+                                const FitOptions& options);
 
 /// Steps of a thinned run: fine for the result, coarse while the fit is far from it.
 inline constexpr double fine_step_s = 8e-3;

@@ -126,7 +126,7 @@ void Fit::apportion(std::size_t i) {
 /// so lower the weight of the data, and keep the fit even farther away.
 void Fit::weigh() {
   const std::vector<Weights> before = weights_;
-  double strain2 = 0, ohm2 = 0, strains = 0, ohms = 0;
+  double strain2 = 0, ohm2 = 0, stress2 = 0, strains = 0, ohms = 0, stresses = 0;
   const auto length = [](const std::vector<double>& errors) {
     return static_cast<double>(errors.size()) / correlation_length(errors);
   };
@@ -136,6 +136,14 @@ void Fit::weigh() {
       const auto d_power = differences(run.strain_model, run.strain_measured, false);
       weights_[i].power_sd = std::max(0.005 * max_power(runs_[i]), rms(d_power));
       weights_[i].power_independent = length(d_power);
+      continue;
+    }
+    if (runs_[i].kind == RunKind::imposed) {
+      const FittedRun run = fitted(i);
+      const auto d_stress = differences(run.stress_model_Pa, run.stress_measured_Pa, false);
+      stress2 += std::pow(rms(d_stress), 2);
+      stresses += 1;
+      weights_[i].stress_independent = length(d_stress);
       continue;
     }
     apportion(i);
@@ -156,11 +164,13 @@ void Fit::weigh() {
   for (Weights& weights : weights_) {
     weights.strain_sd = std::max(4e-5, std::sqrt(strain2 / std::max(strains, 1.0)));
     weights.resistance_sd = std::max(1e-4, std::sqrt(ohm2 / std::max(ohms, 1.0)));
+    weights.stress_sd = std::max(1e5, std::sqrt(stress2 / std::max(stresses, 1.0)));
   }
   if (std::exchange(weighed_, true)) {
     keep_more(weights_, before, &Weights::strain_sd, &Weights::strain_independent);
     keep_more(weights_, before, &Weights::resistance_sd, &Weights::resistance_independent);
     keep_more(weights_, before, &Weights::power_sd, &Weights::power_independent);
+    keep_more(weights_, before, &Weights::stress_sd, &Weights::stress_independent);
   }
 }
 
@@ -174,6 +184,7 @@ Unexplained Fit::unexplained() {
     const bool in_time = runs_[i].kind != RunKind::calorimetry;
     weights_[i].strain_independent *= in_time && runs_[i].has_strain ? 1 : 0;
     weights_[i].resistance_independent *= in_time && runs_[i].has_resistance ? 1 : 0;
+    weights_[i].stress_independent *= runs_[i].kind == RunKind::imposed ? 1 : 0;
   }
   double prior = 0;
   for (const double u : u_.wire) {
@@ -195,6 +206,7 @@ double gain(const Unexplained& from, const Unexplained& to) {
     add(&Weights::strain_sd, &Weights::strain_independent);
     add(&Weights::resistance_sd, &Weights::resistance_independent);
     add(&Weights::power_sd, &Weights::power_independent);
+    add(&Weights::stress_sd, &Weights::stress_independent);
   }
   return sum;
 }
@@ -207,6 +219,13 @@ FittedRun Fit::fitted(std::size_t i) {
   run.kind = runs_[i].kind;
   const Assumed<double> assumed = cost.assumed<double>(u.data());
   run.circumstances = assumed.here;
+  if (run.kind == RunKind::imposed) {
+    run.stress_measured_Pa = runs_[i].measured_stress_Pa;
+    for (const Predicted<double>& p : cost.model(assumed, cost.path(u.data()))) {
+      run.stress_model_Pa.push_back(p.strain);
+    }
+    return run;
+  }
   run.strain_measured = run.kind == RunKind::calorimetry ? runs_[i].power_W_kg : runs_[i].strain;
   run.resistance_measured = runs_[i].resistance_ohm;
   std::size_t k = 0;
@@ -268,6 +287,32 @@ void Fit::accuracy(Accuracy<double>& of) const {
   }
 }
 
+/// A run with its errors from this comparison on.
+FittedRun Fit::judged(std::size_t i, std::size_t first) {
+  FittedRun run = fitted(i);
+  const auto errors = [&](const std::vector<double>& model, const std::vector<double>& measured,
+                          bool relative) {
+    const auto from = [&](const std::vector<double>& all) {
+      return std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(first), all.end());
+    };
+    return model.empty() ? std::vector<double>()
+                         : differences(from(model), from(measured), relative);
+  };
+  if (run.kind == RunKind::imposed) {
+    run.stress_Pa = quality(errors(run.stress_model_Pa, run.stress_measured_Pa, false), 1);
+  } else if (run.kind == RunKind::calorimetry) {
+    run.power =
+        quality(errors(run.strain_model, run.strain_measured, false), 1 / max_power(runs_[i]));
+  } else {
+    run.strain =
+        quality(errors(run.strain_model, run.strain_measured, false), 1 / from_.nominal_stroke);
+    run.resistance = quality(errors(run.resistance_model, run.resistance_measured, true), 1);
+    run.given_strain =
+        quality(errors(run.resistance_given_strain, run.resistance_measured, true), 1);
+  }
+  return run;
+}
+
 void Fit::describe(FitResult& result) {
   const RunCost cost = run_cost(0);
   const std::vector<double> u = deviations(0);
@@ -284,17 +329,7 @@ void Fit::describe(FitResult& result) {
   result.circuit_fitted = problem_->variant.circuit;
   result.variant = problem_->variant;
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    FittedRun run = fitted(i);
-    const auto d = differences(run.strain_model, run.strain_measured, false);
-    if (run.kind == RunKind::calorimetry) {
-      run.power = quality(d, 1 / max_power(runs_[i]));
-    } else {
-      run.strain = quality(d, 1 / from_.nominal_stroke);
-      run.resistance = quality(differences(run.resistance_model, run.resistance_measured, true), 1);
-      run.given_strain =
-          quality(differences(run.resistance_given_strain, run.resistance_measured, true), 1);
-    }
-    result.runs.push_back(std::move(run));
+    result.runs.push_back(judged(i, 0));
   }
   result.interrupted = interrupted_;
   result.converged = converged_ || interrupted_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <limits>
 #include <map>
 
@@ -28,7 +29,7 @@ bool of_level(const std::string& key) {
 std::vector<Fit::Runs> Fit::levels() const {
   std::map<long, Runs> found;
   for (std::size_t i = 0; i < runs_.size(); ++i) {
-    if (runs_[i].kind == RunKind::calorimetry) {
+    if (runs_[i].kind == RunKind::calorimetry || runs_[i].kind == RunKind::imposed) {
       continue;
     }
     const auto [low, high] = std::ranges::minmax(runs_[i].stress_Pa);
@@ -121,6 +122,34 @@ void Fit::stress_levels() {
       join_levels(i, before, found);
     }
   }
+}
+
+/// Tries zeros of imposed strains: a test frame counts from where its wire was clamped. Far from
+/// the true one the model's wire hangs slack or tears, and no derivative leads back. All runs get
+/// the same one: one by one, runs of a wire that is not known yet would find it far apart.
+void Fit::find_zeros() {
+  constexpr double lowest = -0.08, highest = 0.04, step = 0.0025;
+  Runs imposed;
+  std::ranges::copy_if(everything(), std::back_inserter(imposed),
+                       [&](std::size_t i) { return runs_[i].kind == RunKind::imposed; });
+  if (imposed.empty()) {
+    return;
+  }
+  const auto set = [&](double zero) {
+    for (const std::size_t i : imposed) {
+      u_.runs[i][iZero] = zero / circumstances_[i][iZero].sd;
+    }
+  };
+  double best = 0;
+  double min = std::numeric_limits<double>::infinity();
+  for (double zero = lowest; zero < highest; zero += step) {
+    set(zero);
+    if (const double now = cost(imposed); now < min) {
+      min = now;
+      best = zero;
+    }
+  }
+  set(best);
 }
 
 /// What a value at a level of stress consists of: the deviation of each parameter that has a part

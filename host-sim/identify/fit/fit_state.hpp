@@ -59,6 +59,8 @@ class Fit {
   FitResult run();
   /// The cost after the first stages, which find each stress by itself.
   double start();
+  Deviations known_circumstances();
+  std::vector<FittedRun> predicted(const Deviations& known);
 
  private:
   using Runs = std::vector<std::size_t>;
@@ -128,6 +130,7 @@ class Fit {
   std::vector<Runs> levels() const;
   void start_at_level(const Runs& level);
   void stress_levels();
+  void find_zeros();
   std::vector<StressPart> stress_parts(std::size_t i) const;
   void join_levels(std::size_t i, const Deviations& before, const std::vector<FoundLevel>& found);
 
@@ -136,6 +139,7 @@ class Fit {
   void weigh();
   Unexplained unexplained();
   FittedRun fitted(std::size_t i);
+  FittedRun judged(std::size_t i, std::size_t first);
   void accuracy(Accuracy<double>& of) const;
   void describe(FitResult& result);
   void uncertainty(FitResult& result);
@@ -165,6 +169,8 @@ class Fit {
   int iterations_ = 0;
 };
 
+/// The greatest stress that was measured with an imposed strain; at least 0.1 MPa.
+double max_stress_Pa(const FitRun& run);
 /// The greatest distance of the heat flow from its middle; just above 0 where there is none.
 double max_power(const FitRun& run);
 

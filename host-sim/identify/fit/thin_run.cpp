@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
@@ -121,8 +123,12 @@ void take_rows(const Run& run, FitRun& fit) {
 /// linearly. `ends` is the row at the end of each step, 0 within a gap.
 void take_steps(const Run& run, std::size_t from, std::size_t to, double step_s, FitRun& fit,
                 std::vector<std::size_t>& ends) {
-  const auto power_W = [&](std::size_t i) { return run.current_A[i] * run.voltage_V[i]; };
-  const auto square = [&](std::size_t i) { return run.current_A[i] * run.current_A[i]; };
+  const bool has_current = !run.current_A.empty();
+  const bool imposed = run.kind == RunKind::imposed;
+  const auto power_W = [&](std::size_t i) { return run.heating_W_at(i); };
+  const auto square = [&](std::size_t i) {
+    return has_current ? run.current_A[i] * run.current_A[i] : 0;
+  };
   double energy_J = 0;
   double squares = 0;
   double stress_Pa = 0;
@@ -141,6 +147,10 @@ void take_steps(const Run& run, std::size_t from, std::size_t to, double step_s,
                                          : energy_J / span_s);
     fit.current2_A2.push_back(squares / span_s);
     fit.stress_Pa.push_back(stress_Pa);
+    if (imposed) {
+      const double done = static_cast<double>(part + 1) / static_cast<double>(parts);
+      fit.given_strain.push_back(run.strain[from] + done * (run.strain[to] - run.strain[from]));
+    }
     ends.push_back(part + 1 == parts ? to : 0);
   }
 }
@@ -160,6 +170,13 @@ double mean_resistance(const Run& run, std::size_t row, double step_s) {
 }
 
 void take_time(const Run& run, double step_s, FitRun& fit) {
+  if (run.kind == RunKind::imposed) {
+    // The stress follows the strain, which is known at the rows only.
+    std::vector<double> steps_s;
+    std::ranges::transform(run.time_s.begin() + 1, run.time_s.end(), run.time_s.begin(),
+                           run.time_s.end() - 1, std::back_inserter(steps_s), std::minus<>());
+    step_s = std::max(step_s, checks::median(steps_s));
+  }
   std::vector<std::size_t> ends;
   for (std::size_t from = 0; from + 1 < run.time_s.size();) {
     std::size_t to = from + 1;
@@ -175,6 +192,11 @@ void take_time(const Run& run, double step_s, FitRun& fit) {
     ++since;
     if (ends[i] != 0 && since >= every) {
       since = 0;
+      if (run.kind == RunKind::imposed) {
+        fit.after.push_back(i);
+        fit.measured_stress_Pa.push_back(run.stress_Pa[ends[i]]);
+        continue;
+      }
       compare(fit, i, at(run.strain, ends[i]), mean_resistance(run, ends[i], step_s), nothing);
     }
   }
@@ -190,7 +212,7 @@ FitRun thin_run(const Run& run, double step_s) {
     fit.ambient_K = std::accumulate(run.ambient_K.begin(), run.ambient_K.end(), 0.0) /
                     static_cast<double>(run.ambient_K.size());
   }
-  if (run.kind == RunKind::joule) {
+  if (run.kind == RunKind::joule || run.kind == RunKind::imposed) {
     take_time(run, step_s, fit);
   } else {
     take_rows(run, fit);

@@ -27,7 +27,7 @@ constexpr double min_temperature_span_K = 10;
 
 /// Whether the largest current of the run heats the wire.
 bool is_heated(const Run& run, const Geometry<double>& geometry) {
-  double max_W = 0;
+  double max_W = run.heating_W.empty() ? 0 : checks::range_of(run.heating_W).high;
   for (std::size_t i = 0; i < run.current_A.size(); ++i) {
     const double current_A = run.current_A[i];
     const double voltage_V = run.voltage_V.empty() ? current_A * rough_resistivity_ohm_m *
@@ -51,7 +51,8 @@ RunKind kind_of(const Run& run, bool heated) {
                           run.voltage_V.empty() ? "current" : "voltage",
                           run.voltage_V.empty() ? "voltage" : "current"));
   }
-  if (heated || (run.temperature_K.empty() && !run.current_A.empty())) {
+  const bool powered = !run.current_A.empty() || !run.heating_W.empty();
+  if (heated || (run.temperature_K.empty() && powered)) {
     return run.time_s.empty() ? RunKind::settled : RunKind::joule;
   }
   if (run.temperature_K.empty()) {
@@ -107,6 +108,18 @@ void check_content(const Run& run, bool strain_optional) {
   }
 }
 
+/// A run with an imposed strain needs what acts on the wire in every row, and what answers.
+void check_imposed(const Run& run) {
+  for (const auto& [name, values] : {std::pair{"strain_ref or displacement_mm", &run.strain},
+                                     std::pair{"load_N or stress_MPa", &run.stress_Pa}}) {
+    if (values->empty()) {
+      fail(run, fmt::format("has no {}; with --imposed-strain the load is computed from strain and "
+                            "power, so both must be recorded",
+                            name));
+    }
+  }
+}
+
 }  // namespace
 
 Run run_of(checks::Record record, const RunOptions& options) {
@@ -115,6 +128,10 @@ Run run_of(checks::Record record, const RunOptions& options) {
     fail(run, "has no usable row");
   }
   run.kind = kind_of(run, is_heated(run, options.geometry));
+  if (options.imposed_strain && run.kind == RunKind::joule) {
+    run.kind = RunKind::imposed;
+    check_imposed(run);
+  }
   if (run.stress_Pa.empty()) {
     run.stress_Pa = given_stress(run, options, run.lines.size());
   }

@@ -29,6 +29,8 @@ struct RunOptions {
   std::vector<std::string> allowed = {};  // NOLINT(readability-redundant-member-init): for braces
   /// Whether a run that was heated by current may lack a strain.
   bool strain_optional = false;
+  /// Whether the strain of runs that were heated by current was imposed.
+  bool imposed_strain = false;
 };
 
 /// Makes a run of a record: finds its kind and its stress, and refuses what read_run() refuses,

@@ -119,6 +119,7 @@ py::list fitted_runs(const identify::FitResult& fit) {
     one["resistance"] = quality(run.resistance);
     one["resistance_given_strain"] = quality(run.given_strain);
     one["power"] = quality(run.power);
+    one["stress_Pa"] = quality(run.stress_Pa);
     all.append(one);
   }
   return all;
@@ -187,17 +188,19 @@ py::dict identify_runs(const files::WireDescription& from, const py::list& runs,
 }  // namespace
 
 void add_identify(py::module_& module) {
-  module.def(
-      "identify_runs", [](const files::WireDescription& from, const py::list& runs,
-                          const std::string& name, std::optional<double> load_N,
-                          std::optional<double> stress_Pa, const std::vector<std::string>& columns,
-                          const std::vector<std::string>& allow, bool lenient, int threads,
-                          bool circuit, const std::string& structure, const py::object& progress) {
-        identify::RunOptions options{from.wire.geometry, stress_Pa, load_N,
-                                     trace_options(lenient, std::nullopt, columns), allow};
-        options.trace.resistance_and_power = true;
-        return identify_runs(from, runs, name, options, threads, circuit, structure, progress);
-      });
+  module.def("identify_runs",
+             [](const files::WireDescription& from, const py::list& runs, const std::string& name,
+                std::optional<double> load_N, std::optional<double> stress_Pa,
+                const std::vector<std::string>& columns, const std::vector<std::string>& allow,
+                bool lenient, int threads, bool circuit, const std::string& structure,
+                bool imposed_strain, const py::object& progress) {
+               identify::RunOptions options{from.wire.geometry, stress_Pa, load_N,
+                                            trace_options(lenient, std::nullopt, columns), allow};
+               options.trace.resistance_and_power = true;
+               options.imposed_strain = imposed_strain;
+               return identify_runs(from, runs, name, options, threads, circuit, structure,
+                                    progress);
+             });
 }
 
 }  // namespace smaservo::python

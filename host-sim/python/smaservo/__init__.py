@@ -268,14 +268,16 @@ def identify(
     threads: int = 0,
     circuit: bool = False,
     structure: str = 'auto',
+    imposed_strain: bool = False,
     progress: Callable[[str, float, float], bool | None] | None = None,
 ) -> Identification:
     """Fits a wire's parameters to measured runs, as `host-sim identify` does. It takes minutes.
 
     A run is a file, or columns by name as for replay(). start is the nearest wire; its length and
     diameter must be right. load_N or stress_Pa is the load of runs that have none. threads is 0 for all
-    cores. structure is 'auto', 'paper-000' or 'ordered', as of the command. progress is called with the
-    stage, the share that is done and the cost; the fit ends with what it has if the answer is False.
+    cores. structure is 'auto', 'paper-000' or 'ordered', as of the command. imposed_strain says that a
+    test frame set the strain of the runs in time, so that their stress is fitted; the errors of their
+    stress are in pascals. progress is called with the stage, the share that is done and the cost; the fit ends with what it has if the answer is False.
     Ctrl-C raises KeyboardInterrupt.
 
     Raises UserError for runs that cannot be used, and where the fit explains too little of them.
@@ -308,6 +310,7 @@ def identify(
         threads,
         circuit,
         structure,
+        imposed_strain,
         progress,
     )
     _warn(result['warnings'])

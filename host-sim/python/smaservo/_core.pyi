@@ -224,6 +224,7 @@ def identify_runs(
     threads: int,
     circuit: bool,
     structure: str,
+    imposed_strain: bool,
     progress: Callable[[str, float, float], bool | None] | None,
     /,
 ) -> dict[str, Any]: ...

@@ -76,6 +76,10 @@ TEST(Identify, MistakesEndWith1AndNameWhatIsWrong) {
       {{"identify", "--out", "run.toml", "run.toml"}, "run.toml: is the same file as run.toml"},
       {{"identify", "--out", "./f.toml", "--from", "f.toml", "bath.csv"}, "./f.toml: is the same"},
       {identify({"bath.csv", "./bath.csv"}), "./bath.csv: is the same file as bath.csv"},
+      {identify({"--held-out", "./bath.csv", "bath.csv"}),
+       "./bath.csv: is the same file as bath.csv"},
+      {identify({"--held-out", "still.csv", "bath.csv"}), "still.csv"},
+      {identify({"--imposed-strain", "bath.csv"}), "--imposed-strain: none of the runs"},
       {identify({"--report", "bath.csv", "bath.csv"}), "bath.csv: is the same file as bath.csv"},
       {identify({"--report", "w.toml", "bath.csv"}), "w.toml: is the same file as w.toml"},
       {identify({"--from", "nothing", "bath.csv"}), "nothing: no such wire"},
@@ -207,6 +211,25 @@ TEST(Identify, ABathWithoutResistanceDeterminesNoResistivity) {
   }
 }
 
+TEST(Identify, RunsHeldOutArePredictedAndChangeNothingOfTheFit) {
+  Program program;
+  program.folder().write("bath.csv", bath_file(100));
+  program.folder().write("other.csv", bath_file(120));
+  const Finished without = program.run(identify({"--json", "bath.csv"}));
+  ASSERT_EQ(without.status, 0) << without.err;
+  const std::string wire = file_text(program.folder() / "w.toml");
+  const Finished with = program.run(
+      identify({"--json", "--report", "r.html", "--held-out", "other.csv", "bath.csv"}));
+  ASSERT_EQ(with.status, 0) << with.err;
+  EXPECT_EQ(file_text(program.folder() / "w.toml"), wire);
+  EXPECT_FALSE(nlohmann::json::parse(without.out).contains("runs_held_out"));
+  const auto predicted = nlohmann::json::parse(with.out)["runs_held_out"];
+  ASSERT_EQ(predicted.size(), 1U);
+  EXPECT_EQ(predicted[0]["file"], "other.csv");
+  EXPECT_GT(predicted[0]["strain"]["rms_percent"], 0.0);
+  EXPECT_THAT(file_text(program.folder() / "r.html"), HasSubstr("other.csv"));
+}
+
 /// The wire file of two runs.
 std::string file_by(const char* threads) {
   Program program;
@@ -235,9 +258,14 @@ TEST(Identify, AnInterruptedFitSaysSo) {
   const files::WireDescription wire =
       identify::fitted_wire(files::load_wire("smartflex-76um"), fit, "w");
   EXPECT_THAT(files::to_toml(wire), HasSubstr("bath.csv (interrupted before it was finished)"));
-  const identify::Identification all{
-      "smartflex-76um", "w.toml", std::vector<smaservo::identify::Run>(1), fit, wire, {{}}, 1};
+  identify::Identification all;
+  all.out = "w.toml";
+  all.runs.resize(1);
+  all.fit = fit;
+  all.classics.resize(1);
+  all.held_out_runs.resize(1);
   EXPECT_THAT(identify::fit_summary(all), HasSubstr("INTERRUPTED"));
+  EXPECT_THAT(identify::fit_summary(all), HasSubstr("runs held out: not predicted"));
   EXPECT_TRUE(nlohmann::json::parse(identify::fit_json(all))["interrupted"]);
 }
 

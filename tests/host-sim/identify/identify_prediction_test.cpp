@@ -191,8 +191,8 @@ TEST(Prediction, OneStepHasTheDerivativesOfTwo) {
     double greatest = 0;
     double difference = 0;
     for (std::size_t i = 0; i < 1000; ++i) {
-      one.advance(path[i], acting.at(i), run_.dt_s[i]);
-      two.advance(path[i], acting.at(i), run_.dt_s[i]);
+      one.advance(path.steps[i], acting.at(i), run_.dt_s[i]);
+      two.advance(path.steps[i], acting.at(i), run_.dt_s[i]);
       const Phases<identify::Jet> a = ThreePhase<identify::Jet>::phases(one.state());
       const Phases<identify::Jet> b = two.phases();
       ASSERT_EQ(a.martensite.a, b.martensite.a);

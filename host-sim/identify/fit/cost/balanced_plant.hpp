@@ -22,6 +22,7 @@ class BalancedPlant {
   BalancedPlant(const Params& params, const Drive<double>& start)
       : params_(params), state_(K::rest(params.kinetics, start)) {}
 
+  const K::State& state() const { return state_; }
   double temperature_K() const { return K::drive(state_).temperature_K; }
   Phases<double> phases() const { return K::phases(state_); }
   /// Derivative of the last step's heat balance by the temperature at its end: heat capacity,
@@ -77,6 +78,44 @@ struct BalancedStep {
   double capacity_J_K;  ///< BalancedPlant::capacity_J_K()
 };
 
+/// Calls `change` with each number of a state that depends on where the last step went, and with
+/// the same number of another state. Of the turning points this can only be the newest.
+template <class T, class Change>
+void for_each_number(typename ThreePhase<T>::State& state,
+                     const typename ThreePhase<T>::State& other, Change change) {
+  const auto both = [&](Pair<T>& pair, const Pair<T>& same) {
+    T first = pair.first();
+    T second = pair.second();
+    change(first, same.first());
+    change(second, same.second());
+    pair = Pair<T>(first, second);
+  };
+  change(state.drive.temperature_K, other.drive.temperature_K);
+  change(state.drive.stress_Pa, other.drive.stress_Pa);
+  change(state.reached.temperature_K, other.reached.temperature_K);
+  change(state.reached.stress_Pa, other.reached.stress_Pa);
+  change(state.martensite, other.martensite);
+  change(state.r_phase, other.r_phase);
+  change(state.returning, other.returning);
+  change(state.reverse.m2a, other.reverse.m2a);
+  change(state.reverse.r2a, other.reverse.r2a);
+  change(state.forward.r2m, other.forward.r2m);
+  both(state.forward.a2m_a2r, other.forward.a2m_a2r);
+  auto& hot = state.hot.newest();
+  const auto& other_hot = other.hot.newest();
+  change(hot.left.m2a, other_hot.left.m2a);
+  change(hot.left.r2a, other_hot.left.r2a);
+  change(hot.martensite, other_hot.martensite);
+  change(hot.r_phase, other_hot.r_phase);
+  auto& cold = state.cold.newest();
+  const auto& other_cold = other.cold.newest();
+  both(cold.left.a2m_a2r, other_cold.left.a2m_a2r);
+  change(cold.left.r2m, other_cold.left.r2m);
+  change(cold.austenite, other_cold.austenite);
+  change(cold.r_phase, other_cold.r_phase);
+  change(cold.returning, other_cold.returning);
+}
+
 /// The plant on the same path, with derivatives. The temperatures are those of the plain plant;
 /// their derivatives follow from the balance.
 template <class T>
@@ -115,7 +154,7 @@ class FollowingPlant {
       T goal_K = missing_J / T(plain.capacity_J_K);
       goal_K.a = plain.temperature_K;
       goal_K.v[jet_temperature] = 0;
-      for_each_number(state_, [&](T& x) {
+      for_each_number<T>(state_, state_, [&](T& x, const T& /*same*/) {
         const double by_temperature = x.v[jet_temperature];
         x.v[jet_temperature] = 0;
         for (int i = 0; i < jet_width; ++i) {
@@ -130,35 +169,6 @@ class FollowingPlant {
   }
 
  private:
-  /// Calls `change` with each number of the state that depends on where the last step went. Of the
-  /// turning points this can only be the newest.
-  template <class Change>
-  static void for_each_number(typename K::State& s, Change change) {
-    for (T* x : {&s.drive.temperature_K, &s.drive.stress_Pa, &s.reached.temperature_K,
-                 &s.reached.stress_Pa, &s.martensite, &s.r_phase, &s.returning, &s.reverse.m2a,
-                 &s.reverse.r2a, &s.forward.r2m}) {
-      change(*x);
-    }
-    change_pair(s.forward.a2m_a2r, change);
-    auto& hot = s.hot.newest();
-    for (T* x : {&hot.left.m2a, &hot.left.r2a, &hot.martensite, &hot.r_phase}) {
-      change(*x);
-    }
-    auto& cold = s.cold.newest();
-    change_pair(cold.left.a2m_a2r, change);
-    for (T* x : {&cold.left.r2m, &cold.austenite, &cold.r_phase, &cold.returning}) {
-      change(*x);
-    }
-  }
-  template <class Change>
-  static void change_pair(Pair<T>& pair, Change change) {
-    T first = pair.first();
-    T second = pair.second();
-    change(first);
-    change(second);
-    pair = Pair<T>(first, second);
-  }
-
   Params params_;
   typename K::State state_;
   T heat_J_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host-sim/identify/fit/cost/balanced_plant.hpp"
+#include "host-sim/identify/fit/cost/strained_plant.hpp"
 #include "host-sim/identify/fit/jet.hpp"
 #include "host-sim/identify/runs/run.hpp"
 #include "model/wire/plant.hpp"
@@ -21,19 +22,21 @@ struct FitRun {
   std::string name;
   RunKind kind;
   // One element for every step:
-  std::vector<double> dt_s;     ///< joule
-  std::vector<double> power_W;  ///< joule and settled: mean over the step
+  std::vector<double> dt_s;     ///< joule, imposed
+  std::vector<double> power_W;  ///< joule, imposed and settled: mean over the step
   /// Mean square of the current, for the voltage drop along the leads.
   std::vector<double> current2_A2;
   std::vector<double> stress_Pa;      ///< bath, joule, settled
+  std::vector<double> given_strain;   ///< imposed: at the end of the step
   std::vector<double> temperature_K;  ///< bath, calorimetry
   /// Calorimetry with time: rate of heating or cooling in the row; empty without time.
   std::vector<double> rate_K_s;
-  double ambient_K = room_K;  ///< joule, settled: measured, or a first guess
+  double ambient_K = room_K;  ///< joule, imposed, settled: measured, or a first guess
   // One element for every comparison:
   std::vector<std::size_t> after;  ///< number of the step
   std::vector<double> strain;      ///< NaN if there is none
   std::vector<double> resistance_ohm;
+  std::vector<double> measured_stress_Pa;  ///< imposed
   /// Calorimetry: heat flow into the wire, positive when it is heated.
   std::vector<double> power_W_kg;
   /// Calorimetry: half way between the usual heat flow of heating and that of cooling, which lies
@@ -83,8 +86,8 @@ double number_of(const T& x) {
 /// resistance.
 template <class T>
 struct Predicted {
-  T strain;          ///< calorimetry: heat flow in W/kg
-  T resistance_ohm;  ///< 0 in calorimetry
+  T strain;          ///< calorimetry: heat flow in W/kg; imposed: stress in Pa
+  T resistance_ohm;  ///< 0 in calorimetry and with an imposed strain
   /// Relative change of the resistance per strain if martensite takes the place of austenite, or of
   /// R-phase.
   T for_austenite, for_r_phase;
@@ -150,9 +153,15 @@ struct Acting {
   const FitRun& run;
   const Assumed<T>& assumed;
 
+  T power_W(std::size_t i) const {
+    return T(run.power_W[i]) - T(run.current2_A2[i]) * assumed.circuit.lead_ohm;
+  }
   PlantInput<T> at(std::size_t i) const {
-    return {T(run.power_W[i]) - T(run.current2_A2[i]) * assumed.circuit.lead_ohm,
-            T(run.stress_Pa[i]) / assumed.circuit.load_gain, assumed.here.ambient_K};
+    return {power_W(i), T(run.stress_Pa[i]) / assumed.circuit.load_gain, assumed.here.ambient_K};
+  }
+  /// With an imposed strain.
+  StrainedInput<T> strained_at(std::size_t i) const {
+    return {power_W(i), T(run.given_strain[i]) - assumed.here.strain_zero, assumed.here.ambient_K};
   }
 };
 
@@ -164,23 +173,45 @@ typename Plant<ThreePhase<T>>::Params plant_of(RunKind kind, const Assumed<T>& a
   if (kind == RunKind::bath) {
     plant.ends.share = T(0);  // no clamp is colder than the bath
   }
+  if (kind == RunKind::imposed) {
+    // A wire reverses after any change. What it would transform until a threshold and make up for
+    // then would be a jump of the stress.
+    plant.kinetics.smallest_reversal_K = T(0);
+  }
   return plant;
 }
 
 /// The steps of the plain plant in a run that is heated by current; none in others.
-using Path = std::vector<BalancedStep>;
+struct Path {
+  std::vector<BalancedStep> steps;     ///< joule
+  StrainedStep at_rest{};              ///< imposed: before the first step
+  std::vector<StrainedStep> strained;  ///< imposed
+};
 inline Path path_of(const FitRun& run, const Assumed<double>& assumed) {
   Path path;
-  if (run.kind != RunKind::joule || run.after.empty()) {
+  const bool imposed = run.kind == RunKind::imposed;
+  if ((run.kind != RunKind::joule && !imposed) || run.after.empty()) {
     return path;
   }
   const Acting<double> acting{run, assumed};
+  if (imposed) {
+    // Beyond its limit a wire's surfaces say less and less; a fit may come by there.
+    StrainedPlant plant(plant_of(run.kind, assumed), 1.5 * assumed.wire.limits.stress_Pa,
+                        assumed.here.ambient_K, acting.strained_at(0).strain);
+    path.at_rest = plant.step();
+    path.strained.reserve(run.after.back() + 1);
+    for (std::size_t i = 0; i <= run.after.back(); ++i) {
+      plant.advance(acting.strained_at(i), run.dt_s[i]);
+      path.strained.push_back(plant.step());
+    }
+    return path;
+  }
   BalancedPlant plant(plant_of(run.kind, assumed),
                       {assumed.here.ambient_K, acting.at(0).stress_Pa});
-  path.reserve(run.after.back() + 1);
+  path.steps.reserve(run.after.back() + 1);
   for (std::size_t i = 0; i <= run.after.back(); ++i) {
     plant.advance(acting.at(i), run.dt_s[i]);
-    path.push_back({plant.temperature_K(), plant.capacity_J_K()});
+    path.steps.push_back({plant.temperature_K(), plant.capacity_J_K()});
   }
   return path;
 }
@@ -199,6 +230,18 @@ void predict(const FitRun& run, const Assumed<T>& assumed, const Path& path,
   }
   const Acting<T> acting{run, assumed};
   const T ambient_K = assumed.here.ambient_K;
+  if (run.kind == RunKind::imposed) {
+    FollowingStrainedPlant<T> plant(params, ambient_K, path.at_rest, acting.strained_at(0).strain);
+    std::size_t at = 0;
+    for (std::size_t i = 0; at < run.after.size(); ++i) {
+      plant.advance(path.strained[i], acting.strained_at(i), run.dt_s[i]);
+      if (run.after[at] == i) {
+        predicted.push_back({plant.stress_Pa() * assumed.circuit.load_gain, T(0), T(0), T(0), {}});
+        ++at;
+      }
+    }
+    return;
+  }
   const auto settled_K = [&](std::size_t i) {
     return run.kind == RunKind::bath
                ? T(run.temperature_K[i])
@@ -210,7 +253,7 @@ void predict(const FitRun& run, const Assumed<T>& assumed, const Path& path,
   std::size_t at = 0;
   for (std::size_t i = 0; i < run.stress_Pa.size() && at < run.after.size(); ++i) {
     if (in_time) {
-      plant.advance(path[i], acting.at(i), run.dt_s[i]);
+      plant.advance(path.steps[i], acting.at(i), run.dt_s[i]);
     } else {
       plant.move({settled_K(i), acting.at(i).stress_Pa});
     }

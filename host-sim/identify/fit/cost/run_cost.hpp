@@ -32,6 +32,8 @@ struct Weights {
   double resistance_sd = 2e-3;  ///< relative
   double power_sd = 0;          ///< W/kg
   double power_independent = independent_at_first;
+  double stress_sd = 0;  ///< Pa
+  double stress_independent = independent_at_first;
   double strain_independent = independent_at_first;
   double resistance_independent = independent_at_first;
   /// For every comparison, the probability that an error of the strain comes from austenite in
@@ -109,6 +111,14 @@ class RunCost {
       }
       return;
     }
+    if (run_.kind == RunKind::imposed) {
+      const double share = share_of(weights_.stress_independent, n);
+      for (std::size_t i = 0; i < n; ++i) {
+        residual[i] =
+            term(predicted[i].strain - T(run_.measured_stress_Pa[i]), weights_.stress_sd, share);
+      }
+      return;
+    }
     const double strain_share = share_of(weights_.strain_independent, valid(run_.strain));
     const double ohm_share = share_of(weights_.resistance_independent, valid(run_.resistance_ohm));
     for (std::size_t i = 0; i < n; ++i) {
@@ -154,7 +164,8 @@ class RunCost {
   }
 
   std::size_t residuals() const {
-    return run_.kind == RunKind::calorimetry ? run_.after.size() : 2 * run_.after.size();
+    const bool one = run_.kind == RunKind::calorimetry || run_.kind == RunKind::imposed;
+    return one ? run_.after.size() : 2 * run_.after.size();
   }
   /// Number of deviations that it depends on: those of the wire, of the circuit and of the run.
   std::size_t size() const {
