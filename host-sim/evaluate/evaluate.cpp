@@ -32,7 +32,7 @@ std::uint64_t run_seed(const EvaluateOptions& options, std::size_t run) {
 
 struct JudgedUnit {
   bench::WireUnit unit;
-  Wire<double> type_file, commissioned, two_readings, calibrated;
+  Wire<double> type_file, commissioned, read_stroke, two_readings, calibrated;
 
   const Wire<double>& known(Known what) const {
     switch (what) {
@@ -40,6 +40,8 @@ struct JudgedUnit {
         return type_file;
       case Known::commissioned:
         return commissioned;
+      case Known::read_stroke:
+        return read_stroke;
       case Known::two_readings:
         return two_readings;
       case Known::calibrated:
@@ -123,7 +125,7 @@ std::vector<JudgedUnit> make_units(const EvaluateOptions& options) {
     for (const hal::Family family : options.families) {
       const bench::WireUnit unit =
           bench::random_unit(family, options.seed + static_cast<std::uint64_t>(i));
-      units.push_back({unit, unit.type_file(), {}, {}, {}});
+      units.push_back({unit, unit.type_file(), {}, {}, {}, {}});
     }
   }
   return units;
@@ -149,17 +151,22 @@ void commission(const EvaluateOptions& options, const std::vector<std::size_t>& 
     return std::ranges::any_of(
         rows, [&](std::size_t row) { return evaluation_rows()[row].known == what; });
   };
-  const bool without = asked(Known::commissioned);
-  const bool with = asked(Known::two_readings);
-  if (!without && !with) {
+  const bool nothing = asked(Known::commissioned);
+  const bool stroke = asked(Known::read_stroke);
+  const bool lengths = asked(Known::two_readings);
+  if (!nothing && !stroke && !lengths) {
     return;
   }
   parallel(
       units.size(), options.threads,
       [&](std::size_t i) {
         JudgedUnit& unit = units[i];
-        unit.commissioned = without ? commissioned_wire(unit.unit, 0) : unit.type_file;
-        unit.two_readings = with ? commissioned_wire(unit.unit, 2) : unit.type_file;
+        const auto wire = [&](bool needed, Read read) {
+          return needed ? commissioned_wire(unit.unit, read) : unit.type_file;
+        };
+        unit.commissioned = wire(nothing, Read::nothing);
+        unit.read_stroke = wire(stroke, Read::stroke);
+        unit.two_readings = wire(lengths, Read::lengths);
       },
       reporting(options, "commissioning", units.size()));
 }
@@ -270,9 +277,12 @@ void try_programs(const EvaluateOptions& options, const Job& job, const JudgedUn
   }
 }
 
-JudgedRun judge(const EvaluatedRun& run, const bench::JouleScenario& joule,
+JudgedRun judge(const Job& job, const bench::JouleScenario& joule,
                 const std::vector<JudgedRow>& rows, double stroke) {
-  JudgedRun judged{.run = run, .figures = judge_errors(rows, stroke), .start = {}};
+  const EvaluatedRun& run = job.run;
+  JudgedRun judged{.run = run,
+                   .figures = judge_errors(rows, stroke, evaluation_rows()[job.row].counted),
+                   .start = {}};
   if (run.condition == Condition::hold_ripple) {
     double begin_s = -joule.record_from_s;
     const auto ripple = std::ranges::find_if(
@@ -301,7 +311,7 @@ std::vector<JudgedRun> judge(const EvaluateOptions& options, const replay::RunSe
     const std::vector<JudgedRow> observed =
         observer.program.empty() ? observe(observer.name, wire, settings, joule.sensors, rows)
                                  : observe_by_program(observer.program, wire, job, rows);
-    judged.push_back(judge(job.run, joule, observed, stroke));
+    judged.push_back(judge(job, joule, observed, stroke));
   }
   return judged;
 }

@@ -12,6 +12,7 @@ using Rows = std::span<const JudgedRow>;
 constexpr double moving_percent_s = 2;
 constexpr double moving_over_s = 0.05;
 constexpr double near_for_s = 0.5;
+constexpr double at_rest_s = 0.2;
 constexpr double locked_for_s = 2;
 constexpr double contraction_percent = 20;
 constexpr double contracted_percent = 10;
@@ -82,13 +83,17 @@ double heated_s(Rows run, double stroke) {
 
 }  // namespace
 
-RunFigures judge_errors(Rows run, double stroke) {
+RunFigures judge_errors(Rows run, double stroke, Counted counted) {
+  const double zero_percent =
+      counted == Counted::displacement
+          ? mean_error_percent(run, stroke, run.front().time_s, run.front().time_s + at_rest_s)
+          : 0;
   RunFigures figures;
   for (const JudgedRow& row : run) {
     if (row.time_s - run.front().time_s <= settling_s) {
       continue;
     }
-    const double percent = error_percent(row, stroke);
+    const double percent = error_percent(row, stroke) - zero_percent;
     figures.error.add(percent);
     figures.lost = figures.lost || !(std::abs(percent) <= lost_percent);
     figures.with_sd += std::isnan(row.estimate_sd) ? 0U : 1U;

@@ -23,14 +23,24 @@ inline constexpr double lost_percent = 20;  ///< a run with a greater error afte
 /// Error below which an observer has found the strain from an unknown start.
 inline constexpr double near_percent = 6;
 
+/// What counts as an error.
+enum class Counted : unsigned char {
+  strain,  ///< the error of the strain, that is, of the wire's length
+  /// The same less its mean over the first 0.2 s, in which the cold wire rests: the error of the
+  /// displacement from there, as of a servo that takes the cold wire as its zero.
+  displacement,
+};
+
 /// Errors are in per cent of the nominal stroke.
 struct RunFigures {
   replay::ErrorStatistics error;  ///< errors after the first second
   std::uint64_t with_sd = 0;      ///< number of errors with a reported standard deviation
-  std::uint64_t within_2_sd = 0;  ///< number of those errors that are within two deviations
+  /// Number of those errors that are within two deviations; always of the strain.
+  std::uint64_t within_2_sd = 0;
   bool lost = false;
 };
-RunFigures judge_errors(std::span<const JudgedRow> run, double stroke);
+RunFigures judge_errors(std::span<const JudgedRow> run, double stroke,
+                        Counted counted = Counted::strain);
 
 /// The change of the error while the wire was held: its mean over the last second of the ripple
 /// less its mean over the second second, in % of the stroke, signed. The first second does not

@@ -19,6 +19,7 @@ enum class Disturbed : unsigned char { never, always, every_other };
 enum class Known : unsigned char {
   type,          ///< the type file, with a resistance measured at one point
   commissioned,  ///< that, and one run without a displacement sensor (host-sim/commission)
+  read_stroke,   ///< that, and how far the wire has moved in it from cold to hot
   two_readings,  ///< that, and the wire's length read twice in it, cold and hot
   calibrated     ///< by identification
 };
@@ -30,6 +31,7 @@ struct EvaluationRow {
   std::vector<Condition> conditions;  ///< conditions, used in turn
   Disturbed disturbed = Disturbed::never;
   Known known = Known::calibrated;
+  Counted counted = Counted::strain;
   int runs = 18;  ///< runs of each unit, unless the options give another number of all
   double mean = std::numeric_limits<double>::quiet_NaN();
   double p95 = std::numeric_limits<double>::quiet_NaN();
@@ -37,6 +39,7 @@ struct EvaluationRow {
 };
 
 /// "standard", "disturbed", "light", "uncalibrated", "commissioned", "two-readings",
+/// "uncalibrated-stroke", "read-stroke",
 /// "unknown-start", "hold", "gust", "coarse".
 const std::vector<EvaluationRow>& evaluation_rows();
 

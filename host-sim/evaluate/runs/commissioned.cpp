@@ -1,6 +1,7 @@
 #include "host-sim/evaluate/runs/commissioned.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,7 +17,7 @@ constexpr double reading_sd_m = 0.02e-3;  ///< a caliper's; and that of the wire
 
 }  // namespace
 
-Wire<double> commissioned_wire(const bench::WireUnit& unit, std::size_t readings) {
+Wire<double> commissioned_wire(const bench::WireUnit& unit, Read read) {
   const Wire<double> type = unit.type_file();
   const double area_m2 = type.geometry.area_m2();
   identify::Run run{};
@@ -33,8 +34,9 @@ Wire<double> commissioned_wire(const bench::WireUnit& unit, std::size_t readings
   bench::Dice dice(unit.seed + 15485863);
   const double length_error_m = dice.deviation(reading_sd_m);
   std::vector<commission::Anchor> anchors;
-  for (std::size_t i = 0; i < readings; ++i) {
-    const double at_s = commissioning_readings_s.at(i);
+  const auto times = read == Read::nothing ? std::span<const double>()
+                                           : std::span<const double>(commissioning_readings_s);
+  for (const double at_s : times) {
     const auto row = std::ranges::lower_bound(run.time_s, at_s) - run.time_s.begin();
     const double error_m = dice.deviation(reading_sd_m);
     anchors.push_back(
@@ -43,7 +45,7 @@ Wire<double> commissioned_wire(const bench::WireUnit& unit, std::size_t readings
          reading_sd_m});
   }
   commission::CommissionOptions options;
-  options.zero = commission::Zero::length;
+  options.zero = read == Read::lengths ? commission::Zero::length : commission::Zero::common;
   options.length_sd_m = reading_sd_m;
   return commission::commission(type, run, std::move(anchors), options).wire;
 }

@@ -38,6 +38,19 @@ TEST(JudgeErrors, CountsAfterTheFirstSecond) {
   EXPECT_FALSE(figures.lost);
 }
 
+/// A servo that takes the cold wire as its zero.
+TEST(JudgeErrors, CountsTheDisplacementFromTheFirstRestOn) {
+  auto rows = run(3, rest, [](double t) { return t < 0.195 ? 5 : t < 2 ? 6 : 3; });
+  const auto figures = [&](evaluate::Counted counted) {
+    return evaluate::judge_errors(rows, stroke, counted);
+  };
+  EXPECT_NEAR(figures(evaluate::Counted::displacement).error.maximum(), 2, 1e-9);
+  EXPECT_NEAR(figures(evaluate::Counted::displacement).error.mean(), 1.5, 0.01);
+  EXPECT_NEAR(figures(evaluate::Counted::strain).error.maximum(), 6, 1e-9);
+  EXPECT_EQ(figures(evaluate::Counted::displacement).within_2_sd,
+            figures(evaluate::Counted::strain).within_2_sd);
+}
+
 TEST(JudgeErrors, CountsWhatIsInsideOfTwoDeviations) {
   auto rows = run(3, rest, [](double) { return 2; });
   for (std::size_t i = 0; i < rows.size(); ++i) {
