@@ -3,8 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include "model/files/message.hpp"
+#include "model/files/wrapped.hpp"
 
 namespace smaservo::daemon {
 namespace {
@@ -25,6 +27,9 @@ bool parse_options(int argc, char** argv, DaemonOptions& options, int& code) {
   // CLI11's own message, made printable because it quotes the command line.
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return files::printable(error.what()) + "\nRun with --help for more information.\n";
+  });
+  app.formatter_fn([](const CLI::App* of, std::string name, CLI::AppFormatMode mode) {
+    return files::wrapped_help(CLI::Formatter().make_help(of, std::move(name), mode));
   });
   app.add_option("--board", options.board,
                  "board file; sim or sim=SCENARIO.toml: a simulated wire; replay=TRACE.csv: a "

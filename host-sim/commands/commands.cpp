@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fmt/format.h>
+#include <utility>
 
 #include "host-sim/campaign/campaign_command.hpp"
 #include "host-sim/can/can_command.hpp"
@@ -26,6 +27,7 @@
 #include "model/files/error.hpp"
 #include "model/files/message.hpp"
 #include "model/files/similar.hpp"
+#include "model/files/wrapped.hpp"
 
 namespace smaservo::commands {
 namespace {
@@ -48,6 +50,10 @@ int run_host_sim(int argc, char** argv) {
   // CLI11's own message, made printable because it quotes the command line.
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return files::printable(error.what()) + "\nRun with --help for more information.\n";
+  });
+  // Set before the commands are added, which inherit it.
+  app.formatter_fn([](const CLI::App* of, std::string name, CLI::AppFormatMode mode) {
+    return files::wrapped_help(CLI::Formatter().make_help(of, std::move(name), mode));
   });
   app.require_subcommand(1);
   plan::add_calibrate_plan_command(app);

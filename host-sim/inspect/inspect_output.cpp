@@ -9,6 +9,7 @@
 #include "host-sim/report/thin.hpp"
 #include "model/files/message.hpp"
 #include "model/files/text_table.hpp"
+#include "model/files/wrapped.hpp"
 
 namespace smaservo::inspect {
 namespace {
@@ -92,27 +93,9 @@ std::string heatings_of(const Facts& facts, const InspectOptions& options) {
   return text;
 }
 
-/// A text after a heading, broken at 80 columns.
+/// A text after a heading.
 std::string paragraph(std::string_view heading, std::string_view text) {
-  constexpr std::size_t indent = 12, width = 80;
-  std::string all = fmt::format("{:<12}", heading);
-  std::size_t column = indent;
-  bool first = true;
-  while (!text.empty()) {
-    const std::string_view word = text.substr(0, text.find(' '));
-    text.remove_prefix(std::min(word.size() + 1, text.size()));
-    if (!first && column + 1 + word.size() > width) {
-      all += "\n" + std::string(indent, ' ');
-      column = indent;
-    } else if (!first) {
-      all += ' ';
-      ++column;
-    }
-    all += word;
-    column += word.size();
-    first = false;
-  }
-  return all + "\n";
+  return files::paragraph(heading, text, 12);
 }
 
 std::string wire_hint() {

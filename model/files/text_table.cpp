@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "model/files/message.hpp"
+#include "model/files/wrapped.hpp"
 
 namespace smaservo::files {
 namespace {
@@ -15,35 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using TableColumns = std::vector<TextTable::Column>;
 
-constexpr std::size_t terminal_columns = 80;
 constexpr std::string_view gap = "  ";
-
-// Symbols of UTF-8.
-
-bool is_continuation(char c) {
-  return (static_cast<unsigned char>(c) & 0xC0U) == 0x80;
-}
-
-std::size_t width_of(std::string_view text) {
-  return text.size() - static_cast<std::size_t>(std::ranges::count_if(text, is_continuation));
-}
-
-/// Breaks a text into lines of the given width, as far as its words allow.
-std::vector<std::string> broken(std::string_view text, std::size_t width) {
-  std::vector<std::string> lines{""};
-  while (!text.empty()) {
-    const std::string_view word = text.substr(0, text.find(' '));
-    text.remove_prefix(std::min(word.size() + 1, text.size()));
-    if (lines.back().empty()) {
-      lines.back() = word;
-    } else if (width_of(lines.back()) + 1 + width_of(word) <= width) {
-      lines.back().append(" ").append(word);
-    } else {
-      lines.emplace_back(word);
-    }
-  }
-  return lines;
-}
 
 // The table as people see it.
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "model/files/message.hpp"
+#include "model/files/wrapped.hpp"
 #include "tests/host-sim/program.hpp"
 #include "tests/host-sim/replay/replays.hpp"
 #include "tests/places.hpp"
@@ -64,6 +65,10 @@ TEST(Command, HelpExplainsEverySubCommand) {
     const Finished own = program.run({command, "--help"});
     EXPECT_EQ(own.status, 0) << command;
     EXPECT_GT(own.out.size(), 200U) << command;
+    std::istringstream lines(own.out);
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_LE(files::width_of(line), files::terminal_columns) << line;
+    }
     EXPECT_NE(readme.find("\n| `" + command + "` | "), std::string::npos)
         << "host-sim/README.md has no row for " << command;
     std::string in_roff = command;

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "model/files/wrapped.hpp"
+
 namespace smaservo::record {
 namespace {
 
@@ -283,18 +285,6 @@ std::string written_key(const CardKey& key) {
                           : fmt::format("{}_{}", name_of(key), key.unit);
 }
 
-/// Comment lines of at most 80 columns.
-std::string wrapped(std::string_view text) {
-  constexpr std::size_t width = 78;
-  std::string lines;
-  while (!text.empty()) {
-    const std::size_t end = text.size() <= width ? text.size() : text.rfind(' ', width);
-    lines += fmt::format("# {}\n", text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return lines;
-}
-
 /// The comment above a key.
 std::string comment_of(const CardKey& key) {
   std::string comment(key.meaning);
@@ -305,7 +295,10 @@ std::string comment_of(const CardKey& key) {
     comment += fmt::format("; only where {} is {}\"{}\"", key.only.path,
                            key.only.is_not ? "not " : "", key.only.value);
   }
-  return wrapped(comment);
+  const std::string mark = "# ";
+  return mark + fmt::format("{}\n",
+                            fmt::join(files::broken(comment, files::terminal_columns - mark.size()),
+                                      "\n" + mark));
 }
 
 }  // namespace
