@@ -104,9 +104,13 @@ Bytes Remote::read(const text::KnownObject& object) {
   }
 }
 
-void Remote::write(const text::KnownObject& object, const Bytes& value) {
+void Remote::write(const text::KnownObject& object, const Bytes& value, Write how) {
   try {
-    client_.download(object.key, value);
+    if (how == Write::again) {
+      client_.download_again(object.key, value);
+    } else {
+      client_.download(object.key, value);
+    }
   } catch (const SdoError& error) {
     throw SdoError(
         fmt::format("{} = {}: {}{}", text::title(object), text::value_text(object, value),
@@ -137,9 +141,9 @@ std::uint32_t Remote::whole(const std::string& name) {
   return static_cast<std::uint32_t>(value);
 }
 
-void Remote::set(const std::string& name, const std::string& value) {
+void Remote::set(const std::string& name, const std::string& value, Write how) {
   const text::KnownObject object = text::find_object(name);
-  write(object, text::value_bytes(object, value));
+  write(object, text::value_bytes(object, value), how);
 }
 
 void Remote::change(const std::vector<Change>& changes) {

@@ -39,8 +39,11 @@ class Remote {
   Bus& bus() { return client_.bus(); }
   unsigned node() const { return client_.node(); }
 
+  /// Whether a write without an answer is repeated: only what may be executed twice.
+  enum class Write : std::uint8_t { once, again };
+
   Bytes read(const text::KnownObject& object);
-  void write(const text::KnownObject& object, const Bytes& value);
+  void write(const text::KnownObject& object, const Bytes& value, Write how = Write::once);
   /// `name` as for find_object().
   Bytes read(const std::string& name) { return read(text::find_object(name)); }
   std::string text(const std::string& name);
@@ -48,7 +51,7 @@ class Remote {
   /// The value of an object that is a counter, a state or a set of bits. Throws UserError if the
   /// node answers with no such value, as a node of another make may.
   std::uint32_t whole(const std::string& name);
-  void set(const std::string& name, const std::string& value);
+  void set(const std::string& name, const std::string& value, Write how = Write::once);
 
   /// Writes changes of parameters as one set: all take effect in the same step of the loop, or none
   /// does. A single change, or a change of another object, is written directly.

@@ -23,10 +23,8 @@ constexpr std::size_t max_value = std::size_t{1} << 20U;
 /// A node may use its whole time-out for each seven bytes, and this many time-outs in addition; a
 /// node that sends its value byte by byte at that pace is given up.
 constexpr std::int64_t spare_timeouts = 16;
-/// Number of attempts of a read. A node has one SDO server, which answers the later of two requests
-/// that collide with those of another client, and a frame may be lost: so a read is repeated. A
-/// write is not repeated, because only its answer may have been lost, and a command that heats a
-/// wire must never be executed twice.
+/// Number of attempts of a read. A write is usually not repeated, because only its answer may have
+/// been lost, and a command that heats a wire must never be executed twice.
 constexpr int reads = 2;
 /// Number of times that a block may bring nothing new before the transfer is given up.
 constexpr unsigned max_vain_blocks = 3;
@@ -46,6 +44,17 @@ constexpr std::uint8_t last_bit = 0x01;
 
 constexpr std::uint8_t command_of(std::uint8_t byte) {
   return byte & 0xE0U;
+}
+
+/// Whether these are the first bytes of an answer that begins another kind of transfer than the one
+/// asked for: `request` and `answer` are command specifiers of requests and answers.
+bool answers_another(std::uint8_t request, std::uint8_t answer) {
+  // The first request and the first answer of each kind: read, write, block read, block write.
+  constexpr std::array<std::array<std::uint8_t, 2>, 4> kinds{
+      {{0x40, 0x40}, {0x20, 0x60}, {0xA0, 0xC0}, {0xC0, 0xA0}}};
+  return std::ranges::any_of(kinds, [&](const auto& kind) {
+    return kind[1] == command_of(answer) && kind[0] != command_of(request);
+  });
 }
 
 std::uint32_t size_in(std::span<const std::uint8_t, 8> data) {
@@ -97,8 +106,9 @@ void SdoClient::drop_old() {
   }
 }
 
-/// Sends the first frame of a transfer and returns the answer. Answers for other objects are
-/// skipped: they belong to earlier transfers that timed out, or to another client.
+/// Sends the first frame of a transfer and returns the answer. Answers for other objects, and those
+/// to a request of another kind, are skipped: they belong to earlier transfers that timed out, or
+/// to another client.
 SdoClient::Data SdoClient::request(Key key, const Data& data, int times) {
   drop_old();
   Data first = data;
@@ -109,7 +119,9 @@ SdoClient::Data SdoClient::request(Key key, const Data& data, int times) {
     send(first);
     const std::int64_t until_us = bus_.now_us() + timeout_us_;
     while (next_answer(got, until_us)) {
-      if (!std::ranges::equal(std::span(got).subspan(1, 3), std::span(first).subspan(1, 3))) {
+      const bool has_key =
+          std::ranges::equal(std::span(got).subspan(1, 3), std::span(first).subspan(1, 3));
+      if (!has_key || answers_another(first[0], got[0])) {
         continue;
       }
       if (got[0] == aborted) {
@@ -231,7 +243,7 @@ Bytes SdoClient::receive_segments(Key key, const Data& first) {
   return value;
 }
 
-void SdoClient::download(Key key, std::span<const std::uint8_t> value) {
+void SdoClient::write(Key key, std::span<const std::uint8_t> value, int times) {
   if (value.empty() || value.size() > 4) {
     download_segmented(key, value);
     return;
@@ -240,7 +252,7 @@ void SdoClient::download(Key key, std::span<const std::uint8_t> value) {
   Data data{static_cast<std::uint8_t>(start_download | (4 - value.size()) << 2U | expedited_bit |
                                       size_bit)};
   std::ranges::copy(value, data.begin() + 4);
-  if (command_of(request(key, data)[0]) != download_answer) {
+  if (command_of(request(key, data, times)[0]) != download_answer) {
     abort(key, 0x05040001);
   }
 }

@@ -30,8 +30,9 @@ class SdoError : public files::UserError {
 std::string key_text(Key key);
 
 /// All functions throw SdoError, also for a node that would occupy them for ever: one that sends
-/// without end, or sends nothing new again and again. A read without an answer is repeated once, a
-/// write is not.
+/// without end, or sends nothing new again and again. A node has one SDO server, which answers the
+/// later of two requests that collide with those of another client, and a frame may be lost. So a
+/// read without an answer is repeated once, a write only where the caller says that it may be.
 class SdoClient {
  public:
   static constexpr std::int64_t usual_timeout_us = 500'000;
@@ -49,7 +50,10 @@ class SdoClient {
   /// Reads by an expedited or segmented transfer, as the node chooses.
   Bytes upload(Key key);
   /// Writes up to four bytes by an expedited transfer, otherwise by a segmented one.
-  void download(Key key, std::span<const std::uint8_t> value);
+  void download(Key key, std::span<const std::uint8_t> value) { write(key, value, 1); }
+  /// As download(), but an expedited transfer without an answer is repeated once. Only for what may
+  /// be executed twice: the first request may have been carried out, and its answer lost.
+  void download_again(Key key, std::span<const std::uint8_t> value) { write(key, value, 2); }
   /// Writes by a segmented transfer, whatever the length.
   void download_segmented(Key key, std::span<const std::uint8_t> value);
   Bytes upload_block(Key key);
@@ -72,6 +76,7 @@ class SdoClient {
     const SdoClient& client_;
   };
 
+  void write(Key key, std::span<const std::uint8_t> value, int times);
   Data request(Key key, const Data& data, int times = 1);
   Data answer(Key key);
   bool next_answer(Data& data, std::int64_t until_us);

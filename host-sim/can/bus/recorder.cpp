@@ -19,8 +19,10 @@ enum class RecorderState : std::uint8_t { idle, armed, triggered, full };
 
 constexpr std::int64_t poll_us = 20'000;
 
-void set(Remote& remote, const std::string& name, auto value) {
-  remote.set(name, fmt::format("{}", value));
+/// No setting of the recorder heats a wire, and each may be written twice: so a request that
+/// collides with one of another client does not end a recording.
+void set(Remote& remote, const std::string& name, const auto& value) {
+  remote.set(name, fmt::format("{}", value), Remote::Write::again);
 }
 
 /// The signal's name without "live.".
@@ -40,7 +42,7 @@ void set_trigger(Remote& remote, const std::string& trigger) {
   }
   set(remote, "recorder.trigger_signal", sub_of(text::signal_row(trigger.substr(0, sign))));
   set(remote, "recorder.trigger_edge", trigger[sign] == '>' ? 0 : 1);
-  remote.set("recorder.trigger_level", trigger.substr(sign + 1));
+  set(remote, "recorder.trigger_level", trigger.substr(sign + 1));
 }
 
 /// The number of whole periods. The device sends its period as a float, which may be slightly more

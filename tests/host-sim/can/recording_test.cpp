@@ -59,6 +59,18 @@ TEST_F(CanClient, ARecordingThatSomebodyElseStopsIsNotWhole) {
   EXPECT_NO_THROW(require_complete(read_recording(remote, plan), plan, "r.csv"));
 }
 
+// A node answers the later of two requests that meet; another client may ask at any time.
+TEST_F(CanClient, AnyAnswerMayBeLostToARecording) {
+  const RecordingPlan plan{{"strain", "current_A"}, 0.1, 0.02, "wire_temperature_K>200"};
+  for (int lost = 1; lost <= 30; ++lost) {
+    bus.lose_answer(lost);
+    EXPECT_NO_THROW(arm_recorder(remote, plan)) << lost;
+    bus.lose_answer(0);
+    EXPECT_EQ(remote.number("recorder.state"), 1) << lost;
+    EXPECT_EQ(remote.whole("recorder.channel_2"), sub_of(text::signal_row("current_A"))) << lost;
+  }
+}
+
 TEST_F(CanClient, RefusesWhatIsNoRecording) {
   const test::TemporaryFolder folder;
   const auto said = [&](const char* text) {

@@ -168,6 +168,23 @@ TEST_F(CanSdoClient, WaitsForANodeThatIsSlow) {
   EXPECT_EQ(client.upload(key).size(), size);
 }
 
+// Another client writes, or reads in blocks, the object that this one reads, and the other way
+// round.
+TEST_F(CanSdoClient, TakesNoAnswerToARequestOfAnotherKind) {
+  bus.answers = [](const Data& request) -> std::vector<Data> {
+    const std::vector<Data> all{keyed(0x43, 7), keyed(0x60), keyed(0xC2, 4), keyed(0xA4)};
+    const std::size_t own = request[0] == 0x40 ? 0 : 1;
+    std::vector<Data> answers;
+    std::ranges::copy_if(all, std::back_inserter(answers),
+                         [&](const Data& data) { return data != all[own]; });
+    answers.push_back(all[own]);
+    return answers;
+  };
+  EXPECT_EQ(client.upload(key), (Bytes{7, 0, 0, 0}));
+  EXPECT_NO_THROW(client.download(key, Bytes{1, 0, 0, 0}));
+  EXPECT_EQ(bus.abort_code, 0U) << "which would end the other client's transfer";
+}
+
 // A node answers the later of two requests that meet: the other client's, at first.
 TEST_F(CanSdoClient, AsksAgainWhereAnotherClientWasAnswered) {
   unsigned others = 1;

@@ -52,6 +52,10 @@ head -n 1 data/runs/again.csv | grep -x 'time_s,current_A,voltage_V,stress_Pa,se
 recording=$!
 # So long a recording leaves rows out; the recorder is armed once before, to show its capacity.
 has_begun() {
+  kill -0 "$recording" || {
+    cat err >&2
+    exit 1
+  }
   (($("$host_sim" can --can udp get recorder.divisor) > 1 && $("$host_sim" can --can udp get recorder.state) == 2))
 }
 becomes has_begun
