@@ -75,11 +75,14 @@ struct Destination {
   std::optional<files::OutputFile> json;
   std::optional<TableFile> table;
 
-  void write(const std::string& numbers, const std::string& markdown) {
+  void write_numbers(const std::string& numbers) {
     if (json) {
       json->write(numbers);
       json->commit();
     }
+  }
+  /// Comes last: where the table's file has lost its marks meanwhile, the results are not lost.
+  void write_table(const std::string& markdown) const {
     if (table) {
       table->rewrite(markdown);
     }
@@ -103,8 +106,9 @@ void run_closed_loop(const EvaluateArguments& a, Destination& destination) {
   const ClosedLoopEvaluation evaluation = evaluate_closed_loop(options);
   const std::string json = closed_loop_json(evaluation);
   const std::string markdown = closed_loop_markdown(evaluation);
-  destination.write(json, markdown);
+  destination.write_numbers(json);
   files::print(a.json ? json : markdown, a.out == "-" ? stderr : stdout);
+  destination.write_table(markdown);
 }
 
 void run(EvaluateArguments& a) {
@@ -140,12 +144,13 @@ void run(EvaluateArguments& a) {
     };
     evaluation = evaluate(a.options);
   }
-  destination.write(table_json(evaluation), table_markdown(evaluation));
+  destination.write_numbers(table_json(evaluation));
   if (!a.report.empty()) {
     write_table_report(a.report, evaluation);
   }
   files::print(a.json ? table_json(evaluation) : table_text(evaluation),
                out == "-" || a.report == "-" ? stderr : stdout);
+  destination.write_table(table_markdown(evaluation));
 }
 
 }  // namespace

@@ -23,11 +23,13 @@ double error_percent(const JudgedRow& row, double stroke) {
   return 100 * (row.estimate - row.strain) / stroke;
 }
 
+/// Rows without an estimate do not count; NaN if there is no other.
 double mean_error_percent(Rows run, double stroke, double from_s, double to_s) {
   double sum = 0;
   double count = 0;
   for (const JudgedRow& row : run) {
-    if (row.time_s >= from_s - rounding_s && row.time_s < to_s - rounding_s) {
+    if (row.time_s >= from_s - rounding_s && row.time_s < to_s - rounding_s &&
+        std::isfinite(row.estimate)) {
       sum += error_percent(row, stroke);
       count += 1;
     }

@@ -250,9 +250,14 @@ void write_table_report(const std::string& path, const Evaluation& evaluation) {
   report::write_html(path, "Evaluation of observers", html + "</ul>\n");
 }
 
-TableFile::TableFile(std::string path, std::string_view mark) : path_(std::move(path)) {
-  const std::string begin = fmt::format("<!-- {}:", mark);
-  const std::string end = fmt::format("<!-- end of {} -->", mark);
+TableFile::TableFile(std::string path, std::string_view mark)
+    : path_(std::move(path)), mark_(mark) {
+  (void)surroundings();
+}
+
+TableFile::Surroundings TableFile::surroundings() const {
+  const std::string begin = fmt::format("<!-- {}:", mark_);
+  const std::string end = fmt::format("<!-- end of {} -->", mark_);
   const std::ifstream input(path_, std::ios::binary);
   std::stringstream content;
   content << input.rdbuf();
@@ -269,13 +274,13 @@ TableFile::TableFile(std::string path, std::string_view mark) : path_(std::move(
                     "after it",
                     path_, begin, end));
   }
-  before_ = text.substr(0, from + 1);
-  after_ = text.substr(to);
+  return {text.substr(0, from + 1), text.substr(to)};
 }
 
 void TableFile::rewrite(const std::string& markdown) const {
+  const Surroundings around = surroundings();
   files::OutputFile file(path_);
-  file.write(before_ + "\n" + markdown + "\n" + after_);
+  file.write(around.before + "\n" + markdown + "\n" + around.after);
   file.commit();
 }
 

@@ -22,10 +22,18 @@ class TableFile {
  public:
   /// Throws UserError if there is no such file, or no such line in it.
   explicit TableFile(std::string path, std::string_view mark = "evaluate");
+  /// Replaces the table in the file as it is now: it may have been edited during an evaluation of
+  /// hours. Throws UserError as the constructor, and leaves the file as it is then.
   void rewrite(const std::string& markdown) const;
 
  private:
-  std::string path_, before_, after_;
+  /// What stands before and after the table.
+  struct Surroundings {
+    std::string before, after;
+  };
+  Surroundings surroundings() const;
+
+  std::string path_, mark_;
 };
 
 }  // namespace smaservo::evaluate

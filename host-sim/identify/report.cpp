@@ -12,6 +12,7 @@
 #include "host-sim/report/html.hpp"
 #include "model/files/message.hpp"
 #include "model/files/text_table.hpp"
+#include "model/files/wrapped.hpp"
 #include "model/units.hpp"
 
 namespace smaservo::identify {
@@ -380,7 +381,9 @@ std::string fit_summary(const Identification& all) {
             joint_text(all.held_out);
   }
   text += offset_text(all);
-  text += fmt::format("structure: {}\n", structure(all.fit.variant)) + circuit(all.fit);
+  const std::vector<std::string> lines =
+      files::broken("structure: " + structure(all.fit.variant), files::terminal_columns - 2);
+  text += fmt::format("{}\n", fmt::join(lines, "\n  ")) + circuit(all.fit);
   if (!all.fit.judgement.structures.empty()) {
     text += fmt::format("{}\n", judgement_heading) + judgement_table(all.fit).text();
   }

@@ -51,6 +51,24 @@ TEST(JudgeErrors, CountsTheDisplacementFromTheFirstRestOn) {
             figures(evaluate::Counted::strain).within_2_sd);
 }
 
+/// An observer program may answer nothing at first.
+TEST(JudgeErrors, TheZeroIsThatOfTheRowsWithAnEstimate) {
+  auto rows = run(3, rest, [](double t) { return t < 1 ? 5 : 7; });
+  for (std::size_t i = 0; i < 15; ++i) {
+    rows[i].estimate = std::numeric_limits<double>::quiet_NaN();
+  }
+  const auto displacement = [&] {
+    return evaluate::judge_errors(rows, stroke, evaluate::Counted::displacement);
+  };
+  EXPECT_NEAR(displacement().error.mean(), 2, 1e-9);
+  EXPECT_FALSE(displacement().lost);
+  // Without any there is no zero.
+  for (std::size_t i = 0; i < 20; ++i) {
+    rows[i].estimate = std::numeric_limits<double>::quiet_NaN();
+  }
+  EXPECT_TRUE(displacement().lost);
+}
+
 TEST(JudgeErrors, CountsWhatIsInsideOfTwoDeviations) {
   auto rows = run(3, rest, [](double) { return 2; });
   for (std::size_t i = 0; i < rows.size(); ++i) {

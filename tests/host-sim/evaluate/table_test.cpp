@@ -142,6 +142,20 @@ TEST(Table, IsRewrittenBetweenItsMarks) {
   EXPECT_EQ(file_text(file), once);
 }
 
+TEST(Table, KeepsWhatWasEditedDuringTheEvaluation) {
+  const TemporaryFolder folder;
+  const std::string file =
+      folder.write("a.md", "before\n<!-- evaluate: x -->\nold\n<!-- end of evaluate -->\nafter\n");
+  const evaluate::TableFile table(file);
+  folder.write("a.md", "edited\n<!-- evaluate: y -->\nold\n<!-- end of evaluate -->\ntoo\n");
+  table.rewrite("new");
+  EXPECT_EQ(file_text(file),
+            "edited\n<!-- evaluate: y -->\n\nnew\n<!-- end of evaluate -->\ntoo\n");
+  folder.write("a.md", "all is gone\n");
+  EXPECT_THROW(table.rewrite("new"), files::UserError);
+  EXPECT_EQ(file_text(file), "all is gone\n");
+}
+
 TEST(Table, IsNotWrittenWithoutMarks) {
   const TemporaryFolder folder;
   for (const char* text :
