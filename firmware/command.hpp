@@ -112,8 +112,14 @@ struct Output {
   FaultSet blocks;        ///< all reasons why the device cannot be armed; empty while it is armed
   std::uint64_t time_us;  ///< of the loop: the sum of all dt_s since start()
   std::uint64_t first_cause_us;  ///< time of the first cause
-  S cooling;  ///< as a share of the wire file's, by the last test; 1 where it is not weaker
+  S cooling;         ///< as a share of the wire file's, by the last test; 1 where it is not weaker
+  S wire_stress_Pa;  ///< by the observer: of the load and, at axis.stop_strain, of the stop
+  /// The wire pulls at its stop, and the observer is sure of it: control and protection take
+  /// wire_stress_Pa for the measured stress.
+  bool at_stop;
 
+  /// The stress that control and protection see.
+  constexpr S stress_Pa() const { return at_stop ? wire_stress_Pa : measurement.stress_Pa; }
   /// Whether this reason holds the output.
   constexpr bool limited_by(LimitReason reason) const {
     return (limit_reasons >> static_cast<unsigned>(reason) & 1U) != 0;

@@ -40,7 +40,8 @@ Prepared<S> prepare(const Settings<S>& settings) {
           {wire.geometry.area_m2(), m.current_offset_A, m.voltage_offset_V, m.current_noise_A,
            m.voltage_noise_V, m.lead_resistance_ohm, S(0.5) * settings.limits.min_current_A,
            S(0.5) * ohm, S(2) * ohm},
-          {plant_params(wire), observer_tuning(settings)},
+          {plant_params(wire), observer_tuning(settings),
+           m.has_load_cell ? S(0) : settings.axis.stop_strain},
           ohm};
 }
 

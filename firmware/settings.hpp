@@ -149,6 +149,9 @@ struct ProfileSettings {
 template <class S>
 struct PositionSettings {
   S zero_strain;  ///< strain at position 0; positions count contraction
+  /// Strain below which a hard stop keeps the wire from contracting; 0: there is none. Used where
+  /// there is no load cell.
+  S stop_strain;
 };
 
 /// All settings of a device.

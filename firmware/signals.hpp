@@ -18,7 +18,7 @@ namespace smaservo {
 
 /// Quantities that need the settings, or the steps before, besides the present step.
 struct Motion {
-  float position_m, velocity_m_s, force_N;
+  float position_m, velocity_m_s, force_N, load_estimate_N;
 };
 
 /// What signals are read from.
@@ -74,7 +74,9 @@ inline constexpr auto signal_rows = [] {
        [](From f) { return S(f.motion.position_m); }},
       {"velocity_m_s", "velocity of the position, filtered",
        [](From f) { return S(f.motion.velocity_m_s); }},
-      {"force_N", "force: stress by the cross section", [](From f) { return S(f.motion.force_N); }},
+      {"force_N",
+       "force: stress by the cross section; estimated where the wire pulls at axis.stop_strain",
+       [](From f) { return S(f.motion.force_N); }},
       {"current_A", "current reading", [](From f) { return f.in.sample.current_A; }},
       {"voltage_V", "voltage reading", [](From f) { return f.in.sample.voltage_V; }},
       {"supply_V", "supply voltage of the output stage", [](From f) { return f.in.supply_V; }},
@@ -84,6 +86,9 @@ inline constexpr auto signal_rows = [] {
        [](From f) { return S(static_cast<float>(f.out.limit_reasons)); }},
       {"cooling", "as a share of the wire file's, by the last test; 1 where it is not weaker",
        [](From f) { return f.out.cooling; }},
+      {"load_estimate_N",
+       "estimated pull of the wire: the load, filtered, and that of the stop at axis.stop_strain",
+       [](From f) { return S(f.motion.load_estimate_N); }},
   });
 }();
 

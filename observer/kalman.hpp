@@ -75,6 +75,9 @@ struct KalmanObserver : FilterStates {
   struct Params {
     typename Model::Params model;
     KalmanTuning<S> tuning;
+    /// Strain below which a hard stop does not let the wire contract, so that it pulls more than
+    /// its load; 0 if there is none. Leave it 0 where the measured load is all that the wire pulls.
+    S stop_strain = S(0);
   };
 
   using Vector = typename Covariance<S>::Vector;
@@ -90,9 +93,10 @@ struct KalmanObserver : FilterStates {
     S loss;
     S loss_range;  ///< the loss stays between this and its reciprocal; wider after go_on()
     S resistance;
-    S stress_Pa;       ///< low-pass filtered
-    S model_ohm;       ///< resistance expected at the last measurement, before the correction
-    S innovation_ohm;  ///< measured less expected resistance; 0 if the measurement was not valid
+    S load_Pa;              ///< the load's stress, low-pass filtered
+    S stress_Pa;            ///< the wire's: the load's, and where it pulls at its stop more
+    S model_ohm;            ///< resistance expected at the last measurement, before the correction
+    S innovation_ohm;       ///< measured less expected resistance; 0 if there was no correction
     S innovation_variance;  ///< expected square of the innovation, ohm²
     S mismatch;             ///< relative magnitude of the innovation, averaged over 2 s
     S bias;                 ///< relative innovation with its sign, averaged over 0.1 s
@@ -125,7 +129,8 @@ struct KalmanObserver : FilterStates {
   /// has got there at this power. The loss is unknown; the phases belong to the temperature.
   static void go_on(const Params& p, State& s, const S& power_W, Heading heading);
   /// One step of dt_s, 0 to 5 ms: predicts with the power and stress of the measurement, then
-  /// corrects with its resistance, where that is valid.
+  /// corrects with its resistance, where that is valid and the wire does not pull at its stop. Cost
+  /// at the stop: a few predictions, at most 13.
   static void advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
   /// The strain with its standard deviation, temperature, phases and health.
   static Estimate<S> estimate(const Params& p, const State& s);
@@ -136,6 +141,9 @@ struct KalmanObserver : FilterStates {
   static bool strayed(const Params& p, const State& s, const S& factor) {
     return factor * p.tuning.resistance_bias + S(3) * s.noise < magnitude(s.bias);
   }
+  /// Whether the wire pulls at its stop. Its stress follows from strain and heat balance then: the
+  /// resistance hardly shows the phases of a wire whose length is held.
+  static bool held(const State& s) { return s.load_Pa < s.stress_Pa; }
   /// The strain of the whole wire.
   static S whole_strain(const Params& p, const State& s) {
     return smaservo::strain(p.model.material, p.model.ends.average(Kinetics::phases(s.kinetics)),
@@ -165,6 +173,10 @@ struct KalmanObserver : FilterStates {
   static Expected expected(const Params& p, const State& s);
 
  private:
+  // Out of line: the copies are not a part of each step's memory on the stack.
+  [[gnu::noinline]] static Linear predict_at_stop(const Params& p, State& s, const S& power_W,
+                                                  const S& dt_s, const S& before_Pa);
+
   // What go_on() assumes of the loss: it takes the wire further in the same direction, since it is
   // this factor beyond both the loss before and the one that would balance the power here. A loss
   // that takes it too far is corrected by the resistance; one that holds it back takes the wire off
@@ -232,6 +244,7 @@ void KalmanObserver<S>::start(const Params& p, State& s, const Measurement<S>& m
   s.loss = S(1);
   s.loss_range = t.loss_range;
   s.resistance = S(1);
+  s.load_Pa = m.stress_Pa;
   s.stress_Pa = m.stress_Pa;
   const S sd[size] = {temperature_sd_K,     fraction_sd,     fraction_sd,
                       t.start_ambient_sd_K, t.start_loss_sd, t.start_resistance_sd};
@@ -273,15 +286,18 @@ template <class S>
 void KalmanObserver<S>::advance(const Params& p, State& s, const Measurement<S>& m, const S& dt_s) {
   if (m.stress_valid) {
     const S alpha = dt_s / (dt_s + p.tuning.stress_filter_s);
-    s.stress_Pa += alpha * (m.stress_Pa - s.stress_Pa);
+    s.load_Pa += alpha * (m.stress_Pa - s.load_Pa);
   }
-  const Linear f = predict_mean(p, s, m.power_W, dt_s);
+  const S before_Pa = s.stress_Pa;
+  s.stress_Pa = s.load_Pa;
+  const Linear f = S(0) < p.stop_strain ? predict_at_stop(p, s, m.power_W, dt_s, before_Pa)
+                                        : predict_mean(p, s, m.power_W, dt_s);
   s.unproven *= positive(S(1) - S(2) * (f.converted_m + f.converted_r));
   predict_covariance(p, s.covariance, f, dt_s);
   const Expected expect = expected(p, s);
   s.model_ohm = expect.ohm;
   s.innovation_ohm = S(0);
-  if (m.resistance_valid) {
+  if (m.resistance_valid && !held(s)) {
     correct(p, s, m, f, expect, dt_s);
   }
 }
@@ -361,6 +377,56 @@ auto KalmanObserver<S>::predict_mean(const Params& p, State& s, const S& power_W
   const S sd_K = p.tuning.heat_error * (magnitude(above) + S(6));
   const S noise_K2 = S(2) * sd_K * sd_K * body.loss_W_K * dt_s / body.capacity_J_K;
   return {temperature, tangent, moved, noise_K2, magnitude(dM), magnitude(dR)};
+}
+
+/// A step at the load's stress, or, where the wire would then be shorter than the stop allows, at
+/// the stress that keeps it there. Secant steps within a bracket find it, from that of the step
+/// before: where a heating transition is steeper over stress than a cooling one, several stresses
+/// give a strain, and the nearest is meant.
+template <class S>
+auto KalmanObserver<S>::predict_at_stop(const Params& p, State& s, const S& power_W, const S& dt_s,
+                                        const S& before_Pa) -> Linear {
+  constexpr int most_steps = 12;
+  constexpr S exact = S(1e-6);
+  constexpr S most_Pa = S(1.5e9);
+  constexpr S usual_compliance_1_Pa = S(2e-11);
+  const typename Kinetics::State kinetics = s.kinetics;
+  const PhaseRates<S> rates = s.rates;
+  const S heat_J = s.heat_J;
+  Linear f;
+  const auto excess = [&](const S& stress_Pa) {
+    s.kinetics = kinetics;
+    s.rates = rates;
+    s.heat_J = heat_J;
+    s.stress_Pa = stress_Pa;
+    f = predict_mean(p, s, power_W, dt_s);
+    return whole_strain(p, s) - p.stop_strain;
+  };
+  S low = s.load_Pa;
+  S high = most_Pa;
+  S last = low;
+  S last_excess = excess(low);
+  if (!(last_excess < S(0))) {
+    return f;
+  }
+  S compliance = usual_compliance_1_Pa;
+  S at = low < before_Pa ? before_Pa : low - last_excess / compliance;
+  for (int i = 0; i < most_steps; ++i) {
+    at = low < at && at < high ? at : S(0.5) * (low + high);
+    const S here = excess(at);
+    if (magnitude(here) < exact) {
+      break;
+    }
+    (here < S(0) ? low : high) = at;
+    const S slope = (here - last_excess) / (at - last);
+    compliance = S(0) < slope ? slope : compliance;
+    // A secant that stays at one side may creep: the next one goes twice as far.
+    compliance *= i > 0 && (here < S(0)) == (last_excess < S(0)) ? S(0.5) : S(1);
+    last = at;
+    last_excess = here;
+    at -= here / compliance;
+  }
+  return f;
 }
 
 /// P <- F P Fᵀ + Q. Heat that the balance does not include moves temperature and phases together;

@@ -227,7 +227,7 @@ void MultipleModelFilter<S>::advance(const Params& p, State& s, const Measuremen
   if (m.resistance_valid && S(1) < s.doubt_s) {
     s.alive = static_cast<std::uint8_t>(1U << s.leader);
     begin_search(s, hypotheses, S(0));
-  } else if (m.resistance_valid && s.paths == 0 && strayed(p, s)) {
+  } else if (m.resistance_valid && s.paths == 0 && !Filter::held(likeliest(s)) && strayed(p, s)) {
     set_out(s);
   }
   s.moves -= dt_s / moves_fade_s * s.moves;
@@ -392,7 +392,7 @@ std::uint8_t MultipleModelFilter<S>::next_follower(const State& s) {
 template <class S>
 void MultipleModelFilter<S>::open_further(const Params& p, State& s, const Measurement<S>& m) {
   Measurement<S> now = m;
-  now.stress_Pa = likeliest(s).stress_Pa;
+  now.stress_Pa = likeliest(s).load_Pa;
   const auto i = static_cast<std::uint8_t>((s.last_opened + 1U) % hypotheses);
   if (s.places < Starts::places) {
     const S r = Starts::most_r_phase(p, now.stress_Pa, s.places, places_in_call);
@@ -441,7 +441,7 @@ void MultipleModelFilter<S>::follow(const Params& p, State& s, std::size_t i,
   Filter::advance(p, f, told, told_s);
   // The logarithm of the variance is left out: the filters treat the resistance model's coloured
   // error as white noise, so that term alone would decide, for the most confident filter.
-  if (m.resistance_valid && searching(s)) {
+  if (m.resistance_valid && searching(s) && !Filter::held(f)) {
     s.log_likelihood[i] -= S(0.5) * f.innovation_ohm * f.innovation_ohm / f.innovation_variance;
     s.log_weight[i] = s.log_likelihood[i] + (s.air_moved ? S(0) : log_prior(f));
   }

@@ -60,8 +60,8 @@ struct Device {
 
   /// The second half. Experiments may call it with another estimate.
   static Output<S> decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
-                          const Measurement<S>& m, const Estimate<S>& e, const Command<S>& command,
-                          const S& dt_s);
+                          const Measurement<S>& measured, const Estimate<S>& e,
+                          const Command<S>& command, const S& dt_s);
 
  private:
   using Verdict = typename Supervisor<S>::Verdict;
@@ -77,6 +77,12 @@ struct Device {
   static MonitorInputs<S> seen_in_step(const Prepared<S>& p, const State& s, const Inputs<S>& in,
                                        const Measurement<S>& m, const Estimate<S>& e,
                                        const Command<S>& command, const S& dt_s);
+  static bool at_stop(const Prepared<S>& p, const State& s, const Measurement<S>& measured,
+                      const Estimate<S>& e) {
+    return s.observing && S(0) < p.observer.stop_strain && measured.stress_valid &&
+           e.health == Health::good &&
+           KalmanObserver<S>::held(MultipleModelFilter<S>::likeliest(s.observer.observer));
+  }
   static Verdict protect(const MonitorInputs<S>& seen, State& s);
   static Output<S> without_heat(const MonitorInputs<S>& seen, const State& s, const Verdict& v);
   static void sense(const Prepared<S>& p, Output<S>& out);
@@ -123,7 +129,7 @@ Measurement<S> Device<S>::after_stall(const Prepared<S>& p, State& s, const S& d
   Measurement<S> told{};
   told.power_W = persisting_power_W(p, given_A, s.last.drive_voltage_V);
   told.power_valid = true;
-  told.stress_Pa = MultipleModelFilter<S>::likeliest(s.observer.observer).stress_Pa;
+  told.stress_Pa = MultipleModelFilter<S>::likeliest(s.observer.observer).load_Pa;
   if (s.observing) {
     const StalledTime<S> time(p, dt_s);
     for (int i = 0; i < time.parts; ++i) {
@@ -136,9 +142,14 @@ Measurement<S> Device<S>::after_stall(const Prepared<S>& p, State& s, const S& d
 
 template <class S>
 Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
-                            const Measurement<S>& m, const Estimate<S>& e,
+                            const Measurement<S>& measured, const Estimate<S>& e,
                             const Command<S>& command, const S& dt_s) {
   count_time(p, s, in, command, dt_s);
+  Measurement<S> m = measured;
+  const bool stopped = at_stop(p, s, measured, e);
+  if (stopped) {
+    m.stress_Pa = MultipleModelFilter<S>::likeliest(s.observer.observer).stress_Pa;
+  }
   const MonitorInputs<S> seen = seen_in_step(p, s, in, m, e, command, dt_s);
   const Verdict v = protect(seen, s);
   Output<S> out = without_heat(seen, s, v);
@@ -162,6 +173,8 @@ Output<S> Device<S>::decide(const Prepared<S>& p, State& s, const Inputs<S>& in,
   } else {
     Controller<S>::rest(p, s.controller, dt_s);
   }
+  out.measurement = measured;
+  out.at_stop = stopped;
   s.given_before_A = s.last.drive_current_A;
   s.last = out;
   return out;
@@ -238,7 +251,9 @@ Output<S> Device<S>::without_heat(const MonitorInputs<S>& seen, const State& s, 
           .blocks = v.blocks,
           .time_us = s.time_us,
           .first_cause_us = s.supervisor.first_cause_us,
-          .cooling = s.monitor.wire.cooling.known()};
+          .cooling = s.monitor.wire.cooling.known(),
+          .wire_stress_Pa = seen.filter.stress_Pa,
+          .at_stop = false};
 }
 
 /// Before the wire has been checked. parameter_check.hpp keeps this current below limits.power_W.

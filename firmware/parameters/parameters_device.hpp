@@ -220,6 +220,10 @@ constexpr auto axis_rows() {
       real<Member<S, &Settings<S>::axis, &PositionSettings<S>::zero_strain>>(
           {0x2030, 1}, "axis.zero_strain", kind::number, Change::without_current, -0.05F, 0.04F,
           0.2F, "strain at position 0, from which positions count contraction"),
+      real<Member<S, &Settings<S>::axis, &PositionSettings<S>::stop_strain>>(
+          {0x2030, 2}, "axis.stop_strain", kind::number, Change::without_current, 0, 0, 0.2F,
+          "strain below which a hard stop keeps the wire from contracting; 0: none; only without "
+          "load cell"),
   });
 }
 

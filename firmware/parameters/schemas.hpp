@@ -18,7 +18,7 @@ struct SchemaObject {
 inline constexpr auto schema_0_1_0 = std::to_array<SchemaObject>({
     {0x2000, "nn"},          {0x2001, "rrr"},         {0x2010, "rrrrrrrrbrr"},
     {0x2011, "rr"},          {0x2020, "rrrrrrrrrrr"}, {0x2021, "rrrrrrrrrrrrrrrrn"},
-    {0x2022, "crr"},         {0x2030, "r"},           {0x2100, "rrrrrrrrr"},
+    {0x2022, "crr"},         {0x2030, "rr"},          {0x2100, "rrrrrrrrr"},
     {0x2101, "crrrr"},       {0x2103, "rrrrrrrrr"},   {0x2104, "rrrrrrrrr"},
     {0x2105, "rrrrrrrrr"},   {0x2106, "rrrrr"},       {0x2107, "rrr"},
     {0x2110, "rrrcrbbr"},    {0x2111, "rrrrrrrrrrr"}, {0x2112, "rrrrrrrrrrr"},

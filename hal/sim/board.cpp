@@ -1,7 +1,10 @@
 #include "hal/sim/board.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
+
+#include "hal/sim/balance.hpp"
 
 namespace smaservo::hal {
 namespace {
@@ -74,9 +77,21 @@ ReadStatus SimBoard::read(Frame& frame) {
     const double time_s = static_cast<double>(time_ns_) * 1e-9 + part_began_s_;
     load_.advance(time_s, part_s_, strain_ + surroundings.slip, load_random_);
     const bool carries = front_end_.faults.circuit != Circuit::broken;
-    finish_part(carries ? load_.stress_Pa() + surroundings.added_stress_Pa : 0);
+    finish_part(carries ? pull_Pa(load_.stress_Pa() + surroundings.added_stress_Pa) : 0);
   }
   return sample(frame);
+}
+
+/// The stress of the load, or the greater one at which the wire is not shorter than its stop
+/// allows.
+double SimBoard::pull_Pa(double load_Pa) const {
+  const auto excess = [&](double stress_Pa) {
+    return strain_after(stress_Pa) - surroundings.stop_strain;
+  };
+  if (!(surroundings.stop_strain > 0) || excess(load_Pa) >= 0) {
+    return load_Pa;
+  }
+  return balance(std::max(stress_Pa_, load_Pa), load_Pa, 1e6, 1e-9, excess);
 }
 
 SimTruth SimBoard::truth() const {

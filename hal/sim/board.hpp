@@ -18,6 +18,7 @@ struct SimSurroundings {
   double supply_V = 24;
   double added_stress_Pa = 0;  ///< stress in addition to the load's
   double slip = 0;             ///< strain by which the wire has slipped out of its clamps
+  double stop_strain = 0;      ///< strain below which a hard stop does not let it contract; 0: none
   double driver_above_K = 10;  ///< temperature of the output stage above ambient
 };
 
@@ -71,6 +72,7 @@ class SimBoard {
 
  private:
   void look();
+  double pull_Pa(double load_Pa) const;
   SimulatedWire::Surroundings around(double stress_Pa) const {
     return {stress_Pa, surroundings.ambient_K, surroundings.draught};
   }

@@ -1,13 +1,13 @@
 #include "hal/sim/pair.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "hal/sim/balance.hpp"
 
 namespace smaservo::hal {
 namespace {
 
 constexpr double close_m = 1e-9;
-constexpr int max_steps = 60;
 
 }  // namespace
 
@@ -27,48 +27,10 @@ double SimPair::excess_m(double force_N) const {
          second_.strain_after(force_N / second_wire_.area_m2()) * second_wire_.length_m - space_m_;
 }
 
-/// The force at which the lengths of both wires fit. More force makes both wires longer, so there
-/// is one root; it is found by the Illinois method between two bounds.
+/// The force at which the lengths of both wires fit; 0 if both are slack.
 double SimPair::balanced_N() const {
-  double step_N = 1e6 * second_wire_.area_m2();
-  double low_N = force_N_;
-  double low_m = excess_m(low_N);
-  double high_N = low_N;
-  double high_m = low_m;
-  for (; low_m > 0 && low_N > 0; step_N *= 4) {
-    high_N = low_N;
-    high_m = low_m;
-    low_N = std::max(low_N - step_N, 0.0);
-    low_m = excess_m(low_N);
-  }
-  if (low_m > 0) {
-    return 0;  // both wires are slack
-  }
-  for (; high_m < 0; step_N *= 4) {
-    low_N = high_N;
-    low_m = high_m;
-    high_N += step_N;
-    high_m = excess_m(high_N);
-  }
-  for (int i = 0, side = 0; i < max_steps && high_m - low_m > close_m; ++i) {
-    const double at_N = (low_N * high_m - high_N * low_m) / (high_m - low_m);
-    const double at_m = excess_m(at_N);
-    if (std::abs(at_m) < close_m) {
-      return at_N;
-    }
-    if (at_m < 0) {
-      low_N = at_N;
-      low_m = at_m;
-      high_m *= side < 0 ? 0.5 : 1;
-      side = -1;
-    } else {
-      high_N = at_N;
-      high_m = at_m;
-      low_m *= side > 0 ? 0.5 : 1;
-      side = 1;
-    }
-  }
-  return 0.5 * (low_N + high_N);
+  return balance(force_N_, 0, 1e6 * second_wire_.area_m2(), close_m,
+                 [&](double force_N) { return excess_m(force_N); });
 }
 
 std::array<ReadStatus, 2> SimPair::read(Frame& first, Frame& second) {

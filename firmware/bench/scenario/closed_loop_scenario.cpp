@@ -1,5 +1,6 @@
 #include "firmware/bench/scenario/closed_loop_scenario.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -145,6 +146,11 @@ ClosedLoopScenario load_closed_loop(const std::filesystem::path& path) {
   }
   if (root.has("event")) {
     scenario.events = read_events(root.tables("event"));
+    const bool has_stop = std::ranges::any_of(
+        scenario.events, [](const SimEvent& event) { return event.stop_strain.has_value(); });
+    if (has_stop && scenario.pair) {
+      root.fail("event", "stop_percent: not in a pair, whose wires hold each other");
+    }
   }
   scenario.duration_s =
       root.number("duration_s", 0.01, longest_s, CommandProgram(scenario.program).duration_s());

@@ -41,6 +41,9 @@ void read_surroundings(files::TomlTable& table, SimEvent& event) {
   if (table.has("driver_above_K")) {
     event.driver_above_K = table.number("driver_above_K", 0, 200);
   }
+  if (table.has("stop_percent")) {
+    event.stop_strain = 0.01 * table.number("stop_percent", 0.01, 10);
+  }
 }
 
 void read_breakage(files::TomlTable& table, SimEvent& event) {
@@ -111,6 +114,7 @@ void SimEvents::change(double time_s, hal::SimBoard& board) {
     around.added_stress_Pa += event.added_stress_Pa.value_or(0);
     around.slip += event.slip.value_or(0);
     around.driver_above_K = event.driver_above_K.value_or(around.driver_above_K);
+    around.stop_strain = event.stop_strain.value_or(around.stop_strain);
     if (const auto& circuit = event.circuit) {
       faults.circuit = *circuit;
       faults.bridged_share = event.bridged_share;

@@ -17,7 +17,8 @@ namespace smaservo::bench {
 /// An event lasts from at_s on for the time for_s and changes only what is set.
 struct SimEvent {
   double at_s, for_s;
-  std::optional<double> ambient_K, draught, supply_V, added_stress_Pa, slip, driver_above_K;
+  std::optional<double> ambient_K, draught, supply_V, added_stress_Pa, slip, driver_above_K,
+      stop_strain;
   std::optional<hal::Circuit> circuit;
   double bridged_share = 0;
   std::optional<std::pair<hal::Reading, hal::SpoiltSensor>> sensor;

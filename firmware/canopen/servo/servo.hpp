@@ -152,7 +152,9 @@ Motion Servo<S>::advance_motion(const Output<S>& out, float dt_s) {
   has_position_ = std::isfinite(position_m);
   motion_.velocity_m_s = has_position_ ? motion_.velocity_m_s : 0;
   motion_.position_m = position_m;
-  motion_.force_N = static_cast<float>(out.measurement.stress_Pa * q.wire.geometry.area_m2());
+  const auto area_m2 = q.wire.geometry.area_m2();
+  motion_.force_N = static_cast<float>(out.stress_Pa() * area_m2);
+  motion_.load_estimate_N = static_cast<float>(out.wire_stress_Pa * area_m2);
   return motion_;
 }
 

@@ -74,7 +74,7 @@ Settings<S> test_settings(const Wire<double>& wire = files::load_wire("smartflex
              .cycles = 100000};
   s.safe = {SafeState::off, S(0), S(0.01)};
   s.profile = {S(12), S(5), S(1.5)};
-  s.axis = {S(0.04)};
+  s.axis = {S(0.04), S(0)};
   return s;
 }
 

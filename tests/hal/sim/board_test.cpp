@@ -2,6 +2,7 @@
 
 #include "hal/sim/board.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -253,6 +254,32 @@ TEST(SimBoard, LoadSlipAndDraughtReachTheWire) {
   board.surroundings.draught = 2;
   driven(board, 0.1, 3000);
   EXPECT_LT(board.truth().hottest_K, still_K - 10);
+}
+
+TEST(SimBoard, AStopPullsWhereTheLoadAloneWouldLetTheWireBeShorter) {
+  hal::SimSetup setup = clean_setup();
+  hal::SimBoard free = board_with(setup);
+  setup.surroundings.stop_strain = 0.025;
+  hal::SimBoard stopped = board_with(setup);
+  double greatest_Pa = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double current_A = i < 1500 ? 0.25 : 0;
+    driven(free, current_A, 1);
+    driven(stopped, current_A, 1);
+    const hal::SimTruth truth = stopped.truth();
+    ASSERT_GE(truth.strain, 0.025 - 1e-8) << i;
+    ASSERT_GE(truth.stress_Pa, 150e6) << i;
+    greatest_Pa = std::max(greatest_Pa, truth.stress_Pa);
+    if (truth.strain > 0.025 + 1e-8) {
+      ASSERT_EQ(truth.stress_Pa, 150e6) << i << ": it pushes";
+    }
+    if (greatest_Pa == 150e6) {
+      ASSERT_EQ(truth.strain, free.truth().strain) << i << ": it acts before the wire is there";
+    }
+  }
+  EXPECT_LT(free.truth().hottest_K, 330) << "cold again";
+  EXPECT_GT(greatest_Pa, 250e6);
+  EXPECT_EQ(stopped.truth().stress_Pa, 150e6) << "what has cooled is free again";
 }
 
 TEST(SimBoard, LongPeriodsAreMadeOfSubsteps) {

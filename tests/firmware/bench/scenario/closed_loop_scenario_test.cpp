@@ -171,6 +171,8 @@ TEST(ClosedLoopScenario, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal(off + "[pair]\ntype = 'driven'\n[load]\ntype = 'spring'\nlow_MPa = "
                             "100\nhigh_MPa = 200\nstroke = 0.04\nlag_s = 0.1\n"),
               HasSubstr("constant load"));
+  EXPECT_THAT(refusal(off + "[pair]\ntype = 'driven'\n[[event]]\nat_s = 1\nstop_percent = 2\n"),
+              HasSubstr("not in a pair"));
 }
 
 }  // namespace

@@ -71,6 +71,8 @@ class FakeDevice {
     out.estimate.temperature_K = 300;
     out.measurement.stress_Pa = 100e6;
     out.cooling = 0.5;
+    out.wire_stress_Pa = 300e6;
+    out.at_stop = true;
     out.active = active;
     out.latched = latched_;
     out.first_cause = first_;

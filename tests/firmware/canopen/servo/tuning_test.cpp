@@ -450,6 +450,10 @@ TEST(LiveValues, AreThoseOfTheStep) {
   EXPECT_FLOAT_EQ(rig.get_real({0x2200, sub_of(signal_index("stress_Pa"))}), 100e6F);
   EXPECT_EQ(rig.get({0x2202, 10}), static_cast<std::uint64_t>(DeviceState::running));
   EXPECT_EQ(rig.get_real({0x2200, sub_of(signal_index("cooling"))}), 0.5F);
+  // At a stop the force is the estimated one; what was measured stays what it is.
+  const float force_N = rig.get_real({0x2200, sub_of(signal_index("force_N"))});
+  EXPECT_NEAR(force_N, 1.36F, 0.01F);
+  EXPECT_EQ(rig.get_real({0x2200, sub_of(signal_index("load_estimate_N"))}), force_N);
   rig.servo.set_timing({1000, 3, 1e-6F, 2e-6F, 3e-6F, 4e-6F});
   rig.servo.set_bus(7, 2, 30);
   EXPECT_EQ(rig.get({0x2210, 2}), 3U);

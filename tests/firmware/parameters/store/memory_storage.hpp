@@ -50,9 +50,11 @@ class MemoryStorage {
       std::vector<std::byte>(slot_size, std::byte{0xFF})};
   bool fail_reads = false;
   bool fail_sync = false;
-  bool stuck_bit = false;  ///< one bit does not take what is written
+  bool stuck_bit = false;  ///< one bit is never what is written
 
  private:
+  static constexpr std::size_t stuck_byte = 100;
+
   bool change(unsigned slot, std::size_t offset, std::span<const std::byte> from) {
     if (!powered_) {
       return false;
@@ -62,8 +64,8 @@ class MemoryStorage {
     for (; i < from.size() && left_ > 0; ++i, --left_, ++changed_) {
       to[offset + i] = from[i];
     }
-    if (stuck_bit) {
-      to[100] |= std::byte{4};
+    if (stuck_bit && offset <= stuck_byte && stuck_byte < offset + i) {
+      to[stuck_byte] ^= std::byte{4};
     }
     if (i == from.size()) {
       return true;
