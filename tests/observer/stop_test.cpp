@@ -88,21 +88,24 @@ TEST(KalmanStop, OutOfReachItChangesNoBit) {
 template <class S>
 void holds_for_any_input(std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  const double stop_strain = std::uniform_real_distribution<double>(0.002, 0.06)(random);
+  const double stop_strain = std::uniform_real_distribution<double>(0.006, 0.06)(random);
   const auto p = params_with<S>(stop_strain);
   RandomInputs<S> inputs(seed);
   auto s = Filters<S>::start(p, inputs.next(), static_cast<S>(room_K));
   int held = 0;
   double squares = 0;
   for (int i = 0; i < 5000; ++i) {
-    Filters<S>::advance(p, s, inputs.next(), inputs.step_s());
+    const Measurement<S> m = inputs.next();
+    Filters<S>::advance(p, s, m, inputs.step_s());
     const Estimate<S> e = Filters<S>::estimate(p, s);
     ASSERT_TRUE(std::isfinite(e.strain) && std::isfinite(e.strain_sd)) << seed << ", " << i;
     const auto& f = Filters<S>::likeliest(s);
     ASSERT_TRUE(std::isfinite(f.stress_Pa)) << seed << ", " << i;
     ASSERT_GE(f.stress_Pa, f.load_Pa) << seed << ", " << i;
-    ASSERT_LE(f.stress_Pa, static_cast<S>(1.5e9)) << seed << ", " << i;
-    if (KalmanObserver<S>::held(f)) {
+    // No greater stress is searched for: no wire bears it. There the strain is what it is.
+    const S most_Pa = S(1.5e9);
+    ASSERT_LE(f.stress_Pa, most_Pa) << seed << ", " << i;
+    if (KalmanObserver<S>::held(f) && f.stress_Pa < S(0.99) * most_Pa) {
       ++held;
       const auto strain = static_cast<double>(KalmanObserver<S>::whole_strain(p, f));
       squares += (strain - stop_strain) * (strain - stop_strain);
