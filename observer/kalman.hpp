@@ -388,7 +388,7 @@ auto KalmanObserver<S>::predict_at_stop(const Params& p, State& s, const S& powe
                                         const S& before_Pa) -> Linear {
   constexpr int most_steps = 12;
   constexpr S exact = S(1e-6);
-  constexpr S most_Pa = S(1.5e9);
+  constexpr S most_Pa = S(1.5e9);  // no wire bears more
   constexpr S usual_compliance_1_Pa = S(2e-11);
   const typename Kinetics::State kinetics = s.kinetics;
   const PhaseRates<S> rates = s.rates;

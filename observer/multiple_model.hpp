@@ -217,18 +217,21 @@ void MultipleModelFilter<S>::advance(const Params& p, State& s, const Measuremen
   } else {
     const Heading heading = likeliest(s).kinetics.heading;
     follow(p, s, s.leader, m, dt_s);
-    if (!m.resistance_valid) {
-      s.paths = 0;  // by the next valid reading the wire may be elsewhere
+    if (!m.resistance_valid || Filter::held(likeliest(s))) {
+      s.paths = 0;  // by the next reading that counts the wire may be elsewhere
     } else if (s.paths > 0 && likeliest(s).kinetics.heading == heading) {
       walk(p, s, m);
     }
   }
-  s.doubt_s = Filter::contradicted(likeliest(s)) ? s.doubt_s + dt_s : S(0);
-  if (m.resistance_valid && S(1) < s.doubt_s) {
-    s.alive = static_cast<std::uint8_t>(1U << s.leader);
-    begin_search(s, hypotheses, S(0));
-  } else if (m.resistance_valid && s.paths == 0 && !Filter::held(likeliest(s)) && strayed(p, s)) {
-    set_out(s);
+  // While the wire pulls at its stop no reading decides between hypotheses: a doubt stands still.
+  if (!Filter::held(likeliest(s))) {
+    s.doubt_s = Filter::contradicted(likeliest(s)) ? s.doubt_s + dt_s : S(0);
+    if (m.resistance_valid && S(1) < s.doubt_s) {
+      s.alive = static_cast<std::uint8_t>(1U << s.leader);
+      begin_search(s, hypotheses, S(0));
+    } else if (m.resistance_valid && s.paths == 0 && strayed(p, s)) {
+      set_out(s);
+    }
   }
   s.moves -= dt_s / moves_fade_s * s.moves;
 }

@@ -123,6 +123,48 @@ TEST(KalmanStop, HoldsForAnyInput) {
   }
 }
 
+/// A filter that has contradicted the resistance just before the wire touches its stop: there no
+/// reading decides between hypotheses, so a search would never end. It begins when the wire is
+/// free.
+TEST(KalmanStop, ADoubtWaitsUntilTheWireIsFree) {
+  auto p = params_with<double>(0);
+  Measurement<double> m{};
+  m.stress_Pa = 120e6;
+  m.resistance_sd_ohm = 0.01;
+  m.power_valid = m.stress_valid = m.resistance_valid = true;
+  auto s = Filters<double>::start(p, m, room_K);
+  // The wire's own resistance, and with `wrong_by` one that no state of it explains.
+  const auto run = [&](double power_W, int steps, double wrong_by, auto&& after) {
+    for (int i = 0; i < steps; ++i) {
+      m.power_W = power_W;
+      m.resistance_ohm = (1 + wrong_by) * Filters<double>::likeliest(s).model_ohm;
+      Filters<double>::advance(p, s, m, 1e-3);
+      after();
+    }
+  };
+  const auto one_is_left = [&] {
+    return Filters<double>::alive(s) == 1 &&
+           Filters<double>::estimate(p, s).health != Health::searching;
+  };
+  run(2 * holding_W(363), 3000, 0, [] {});
+  run(0, 4000, 0, [] {});
+  ASSERT_TRUE(one_is_left());
+  p.stop_strain = Filters<double>::estimate(p, s).strain;
+  int held = 0;
+  // The doubt is set, since 1 % for 2 s before the stop would lead the filter elsewhere at once.
+  s.filter[s.leader].mismatch = 0.02;
+  run(2 * holding_W(363), 3000, 0.1, [&] {
+    if (KalmanObserver<double>::held(Filters<double>::likeliest(s))) {
+      ++held;
+      ASSERT_TRUE(one_is_left()) << held;
+    }
+  });
+  EXPECT_GT(held, 2500);
+  int searched = 0;
+  run(0, 6000, 0.1, [&] { searched += one_is_left() ? 0 : 1; });
+  EXPECT_GT(searched, 0);
+}
+
 /// A clamped wire of the filter's own model: the pull follows from the heat alone, and the
 /// resistance is not needed.
 TEST(KalmanStop, AClampedWirePullsAsItsModel) {
