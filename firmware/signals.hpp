@@ -75,7 +75,7 @@ inline constexpr auto signal_rows = [] {
       {"velocity_m_s", "velocity of the position, filtered",
        [](From f) { return S(f.motion.velocity_m_s); }},
       {"force_N",
-       "force: stress times cross section; the estimate where the wire pulls at axis.stop_strain",
+       "force: stress times cross section, or load_estimate_N while it pulls at axis.stop_strain",
        [](From f) { return S(f.motion.force_N); }},
       {"current_A", "current reading", [](From f) { return f.in.sample.current_A; }},
       {"voltage_V", "voltage reading", [](From f) { return f.in.sample.voltage_V; }},
@@ -87,7 +87,7 @@ inline constexpr auto signal_rows = [] {
       {"cooling", "as a share of the wire file's, by the last test; 1 where it is not weaker",
        [](From f) { return f.out.cooling; }},
       {"load_estimate_N",
-       "estimated pull of the wire: the filtered load, or at axis.stop_strain the pull there",
+       "pull of the wire: the filtered load, or the estimate while it pulls at axis.stop_strain",
        [](From f) { return S(f.motion.load_estimate_N); }},
   });
 }();

@@ -222,8 +222,8 @@ constexpr auto axis_rows() {
           0.2F, "strain at position 0, from which positions count contraction"),
       real<Member<S, &Settings<S>::axis, &PositionSettings<S>::stop_strain>>(
           {0x2030, 2}, "axis.stop_strain", kind::number, Change::without_current, 0, 0, 0.2F,
-          "strain at which a hard stop ends the contraction, rather too high than too low; "
-          "0: none; no effect with a load cell"),
+          "strain at which a hard stop ends the contraction; set too high rather than too low; "
+          "0: no stop; ignored with a load cell"),
   });
 }
 
