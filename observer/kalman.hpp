@@ -144,6 +144,14 @@ struct KalmanObserver : FilterStates {
   /// Whether the wire pulls at its stop. Its stress follows from strain and heat balance then: the
   /// resistance hardly shows the phases of a wire whose length is held.
   static bool held(const State& s) { return s.load_Pa < s.stress_Pa; }
+  /// Logarithm of the likelihood of a measured resistance at the present mean, as in a step of
+  /// dt_s, up to a constant that all filters share.
+  static S log_likelihood(const Params& p, const State& s, const Measurement<S>& m, const S& dt_s) {
+    const Expected expect = expected(p, s);
+    const S y = m.resistance_ohm - expect.ohm;
+    const Vector PH = s.covariance.times(expect.slope);
+    return S(-0.5) * y * y / innovation_variance(p, expect, PH, m, dt_s);
+  }
   /// The strain of the whole wire.
   static S whole_strain(const Params& p, const State& s) {
     return smaservo::strain(p.model.material, p.model.ends.average(Kinetics::phases(s.kinetics)),
@@ -192,6 +200,8 @@ struct KalmanObserver : FilterStates {
   static void add_along(Covariance<S>& P, const S (&along)[4], const S& variance);
   static void predict_covariance(const Params& p, Covariance<S>& P, const Linear& f, const S& dt_s);
   static void keep_on_simplex(const Covariance<S>& P, const Phases<S>& z, Vector& change);
+  static S innovation_variance(const Params& p, const Expected& expect, const Vector& PH,
+                               const Measurement<S>& m, const S& dt_s);
   static void correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
                       const Expected& expect, const S& dt_s);
 };
@@ -493,18 +503,24 @@ void KalmanObserver<S>::keep_on_simplex(const Covariance<S>& P, const Phases<S>&
   }
 }
 
-/// With y = measured less expected resistance, and its variance σ² = Hᵀ P H plus the variances of
-/// model and sensors:  K = P H/σ²,  x <- x + K y,  P <- P - K (P H)ᵀ.
+/// σ² = Hᵀ P H plus the variances of model and sensors.
+template <class S>
+S KalmanObserver<S>::innovation_variance(const Params& p, const Expected& expect, const Vector& PH,
+                                         const Measurement<S>& m, const S& dt_s) {
+  const S model_sd = p.tuning.resistance_model_sd * expect.ohm;
+  return Covariance<S>::variance(expect.slope, PH) + model_sd * model_sd * (S(1e-3) / dt_s) +
+         m.resistance_sd_ohm * m.resistance_sd_ohm;
+}
+
+/// With y = measured less expected resistance and its variance σ²:
+/// K = P H/σ²,  x <- x + K y,  P <- P - K (P H)ᵀ.
 template <class S>
 void KalmanObserver<S>::correct(const Params& p, State& s, const Measurement<S>& m, const Linear& f,
                                 const Expected& expect, const S& dt_s) {
   const KalmanTuning<S>& q = p.tuning;
   Covariance<S>& P = s.covariance;
-  const Vector& H = expect.slope;
-  const Vector PH = P.times(H);
-  const S model_sd = q.resistance_model_sd * expect.ohm;
-  const S variance = Covariance<S>::variance(H, PH) + model_sd * model_sd * (S(1e-3) / dt_s) +
-                     m.resistance_sd_ohm * m.resistance_sd_ohm;
+  const Vector PH = P.times(expect.slope);
+  const S variance = innovation_variance(p, expect, PH, m, dt_s);
   const S innovation = m.resistance_ohm - expect.ohm;
   const Vector K = (S(1) / variance) * PH;
   P.update(K, PH);

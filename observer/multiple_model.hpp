@@ -71,7 +71,7 @@ struct MultipleModelFilter {
     S missing_ohm;        ///< and what it lacks now
     std::uint8_t paths;   ///< 2 on the path to the cold, 1 on that to the heat, else 0
     std::uint8_t arrived;  ///< bit i: filter i is a walker that has found the resistance
-    S doubt_s;  ///< time for which the leader has contradicted the resistance without a break
+    S doubt_s;  ///< time away from the stop for which the leader has contradicted the resistance
   };
 
   /// Cost: one start at rest, two steps of the filter.
@@ -167,8 +167,8 @@ struct MultipleModelFilter {
     return s.unopened > 0 || (s.alive & (s.alive - 1U)) != 0;
   }
   static void search(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
-  static void search_further(const Params& p, State& s, const Measurement<S>& m);
-  static void open_further(const Params& p, State& s, const Measurement<S>& m);
+  static void search_further(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
+  static void open_further(const Params& p, State& s, const Measurement<S>& m, const S& dt_s);
   static void open(const Params& p, State& s, std::size_t i, const Measurement<S>& m);
   static std::uint8_t next_follower(const State& s);
   static void follow(const Params& p, State& s, std::size_t i, const Measurement<S>& m,
@@ -358,7 +358,7 @@ void MultipleModelFilter<S>::search(const Params& p, State& s, const Measurement
   const Heading heading = likeliest(s).kinetics.heading;
   follow(p, s, s.leader, m, dt_s);
   if (likeliest(s).kinetics.heading == heading) {
-    search_further(p, s, m);
+    search_further(p, s, m, dt_s);
   }
   if (s.unopened == 0) {
     choose(s);
@@ -367,9 +367,10 @@ void MultipleModelFilter<S>::search(const Params& p, State& s, const Measurement
 }
 
 template <class S>
-void MultipleModelFilter<S>::search_further(const Params& p, State& s, const Measurement<S>& m) {
+void MultipleModelFilter<S>::search_further(const Params& p, State& s, const Measurement<S>& m,
+                                            const S& dt_s) {
   if (s.unopened > 0 && m.resistance_valid) {
-    open_further(p, s, m);
+    open_further(p, s, m, dt_s);
     return;
   }
   const std::uint8_t next = next_follower(s);
@@ -393,7 +394,8 @@ std::uint8_t MultipleModelFilter<S>::next_follower(const State& s) {
 
 /// The opening uses the leader's filtered stress, because the measurement's may be invalid.
 template <class S>
-void MultipleModelFilter<S>::open_further(const Params& p, State& s, const Measurement<S>& m) {
+void MultipleModelFilter<S>::open_further(const Params& p, State& s, const Measurement<S>& m,
+                                          const S& dt_s) {
   Measurement<S> now = m;
   now.stress_Pa = likeliest(s).load_Pa;
   const auto i = static_cast<std::uint8_t>((s.last_opened + 1U) % hypotheses);
@@ -406,6 +408,11 @@ void MultipleModelFilter<S>::open_further(const Params& p, State& s, const Measu
     s.rest_slope_known = true;
   } else {
     open(p, s, i, now);
+    if (i == 0) {
+      // The others agree with the reading; a wire at rest would lead until its first step.
+      s.log_likelihood[i] += Filter::log_likelihood(p, s.filter[i], now, dt_s);
+      s.log_weight[i] = s.log_likelihood[i];
+    }
     s.last_opened = i;
     --s.unopened;
   }

@@ -128,22 +128,22 @@ struct ThreePhase {
 
   /// Applies an observer's correction after a step: the wire was warmer by `warmer_K` all along
   /// this branch and has the fractions `to` (on the simplex). A correction of a fraction by 1 %
-  /// also corrects it by 1 % at all remembered turning points. A small shift of the temperature
-  /// follows the step's tangents; a larger one evaluates the curves again.
+  /// also corrects it by 1 % at all remembered turning points, which stay on the simplex. A small
+  /// shift of the temperature follows the step's tangents; a larger one evaluates the curves again.
   static void correct(const Params& p, State& s, const Tangent& tangent, const S& warmer_K,
                       const Phases<S>& to) {
     const S m = scale(to.martensite, s.martensite);
     const S r = scale(to.r_phase, s.r_phase);
     const S a = scale(to.austenite(), phases(s).austenite());
     for (HotTurn& turn : s.hot) {
-      turn.martensite *= m;
+      turn.martensite = min(turn.martensite * m, S(1));
       turn.r_phase = min(turn.r_phase * r, S(1) - turn.martensite);
     }
     S outer = S(0);  // no more R-phase can return than at the turning point before
     for (ColdTurn& turn : s.cold) {
       // R-phase that the turning point has beyond the present state is austenite now.
       const S more = turn.r_phase - s.r_phase;
-      turn.austenite *= a;
+      turn.austenite = min(turn.austenite * a, S(1));
       turn.r_phase = min(to.r_phase + more * (more < S(0) ? r : a), S(1) - turn.austenite);
       turn.returning = min(turn.returning * a, outer);
       outer = turn.r_phase;

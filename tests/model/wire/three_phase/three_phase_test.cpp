@@ -261,7 +261,8 @@ TEST_F(ThreePhaseTest, TransferIsWhatTheStepMakesOfASmallChangeOfTheFractions) {
 
 /// Anywhere on the simplex: some of the way to a random corner.
 Phases<double> ThreePhaseTest::pulled(const Phases<double>& z) {
-  const double pull = uniform(0, 1) < 0.05 ? 1.0 : uniform(0, 0.05);
+  const double kind = uniform(0, 1);
+  const double pull = kind < 0.05 ? 1.0 : kind < 0.15 ? uniform(0, 1) : uniform(0, 0.05);
   const double corner = uniform(0, 3);
   return {z.martensite + pull * ((corner < 1 ? 1.0 : 0.0) - z.martensite),
           z.r_phase + pull * ((corner > 2 ? 1.0 : 0.0) - z.r_phase)};
@@ -270,12 +271,19 @@ Phases<double> ThreePhaseTest::pulled(const Phases<double>& z) {
 void ThreePhaseTest::correct_at_random(const K::Params& p, K::State& s) {
   const bool jump = uniform(0, 1) < 0.1;
   const Drive<double> u{jump ? uniform(290, 420) : s.drive.temperature_K + uniform(-2, 2),
-                        jump ? uniform(0, 400e6) : s.drive.stress_Pa};
+                        jump ? uniform(-200e6, 800e6) : s.drive.stress_Pa};
   const K::Tangent tangent = K::advance_linearised(p, s, u);
   const Phases<double> to = pulled(K::phases(s));
-  K::correct(p, s, tangent, uniform(-0.1, 0.1), to);
+  const double most_K = uniform(0, 1) < 0.1 ? 60 : 0.1;
+  K::correct(p, s, tangent, uniform(-most_K, most_K), to);
   EXPECT_EQ(s.martensite, to.martensite);
   EXPECT_EQ(s.r_phase, to.r_phase);
+  for (const auto& turn : s.hot) {
+    expect_simplex({turn.martensite, turn.r_phase}, 1e-6);
+  }
+  for (const auto& turn : s.cold) {
+    expect_simplex({1 - turn.austenite - turn.r_phase, turn.r_phase}, 1e-6);
+  }
   K::advance(p, s, {s.drive.temperature_K + uniform(-3, 3), s.drive.stress_Pa});
   // correct() takes pools below 1e-6 for empty.
   expect_simplex(K::phases(s), 1e-6);
