@@ -80,7 +80,7 @@ struct Device {
   static bool at_stop(const Prepared<S>& p, const State& s, const Measurement<S>& measured,
                       const Estimate<S>& e) {
     return s.observing && S(0) < p.observer.stop_strain && measured.stress_valid &&
-           e.health == Health::good &&
+           e.health != Health::searching &&
            KalmanObserver<S>::held(MultipleModelFilter<S>::likeliest(s.observer.observer));
   }
   static Verdict protect(const MonitorInputs<S>& seen, State& s);

@@ -61,5 +61,42 @@ TEST(Device, FloatFollowsDouble) {
   EXPECT_LT(at_rest, 1e-4);
 }
 
+/// While the wire pulls at its stop no reading can end a doubt, so the device must go on seeing the
+/// pull: limits.stress_Pa holds in a doubtful stall as in any other.
+TEST(Device, ADoubtDoesNotHideThePullAtTheStop) {
+  Settings<double> settings = test_settings();
+  const double load_Pa = 150e6;
+  settings.measurement.has_load_cell = false;
+  settings.measurement.constant_load_N = load_Pa * settings.wire.geometry.area_m2();
+  settings.limits.stress_Pa = 250e6;
+  settings.limits.temperature_K = settings.trips.temperature_K = 550;
+  const auto greatest_MPa = [&](double mismatch) {
+    TestBench bench(settings.wire, load_Pa);
+    settings.axis.stop_strain = bench.strain() - 0.02;
+    const Prepared<double> p = prepare(settings);
+    Device<double>::State s = Device<double>::start();
+    const Command<double> command{.fresh = true, .arm = true, .mode = Mode::power, .setpoint = 0.8};
+    double greatest_Pa = 0;
+    int doubtful = 0;
+    for (int i = 0; i < 6000; ++i) {
+      const Output<double> out = Device<double>::step(p, s, bench.inputs(), command, 1e-3);
+      bench.advance(out.drive_current_A, 1e-3);
+      auto& filter = s.observer.observer;
+      if (KalmanObserver<double>::held(MultipleModelFilter<double>::likeliest(filter))) {
+        filter.filter[filter.leader].mismatch = mismatch;
+        doubtful += out.estimate.health == Health::doubtful ? 1 : 0;
+      }
+      EXPECT_TRUE(out.latched.empty()) << fault_name(out.first_cause) << ", " << i;
+      greatest_Pa = std::max(greatest_Pa, out.wire_stress_Pa);
+    }
+    EXPECT_EQ(doubtful > 1000, mismatch > 0.01);
+    return 1e-6 * greatest_Pa;
+  };
+  EXPECT_NEAR(greatest_MPa(0.02), greatest_MPa(0), 1);
+  EXPECT_LT(greatest_MPa(0.02), 255);
+  settings.limits.stress_Pa = 500e6;
+  EXPECT_GT(greatest_MPa(0.02), 300) << "the limit is not what is tested";
+}
+
 }  // namespace
 }  // namespace smaservo::device_test
