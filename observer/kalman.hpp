@@ -94,6 +94,7 @@ struct KalmanObserver : FilterStates {
     S loss_range;  ///< the loss stays between this and its reciprocal; wider after go_on()
     S resistance;
     S load_Pa;              ///< the load's stress, low-pass filtered
+    S slow_load_Pa;         ///< the same, averaged over 0.5 s
     S stress_Pa;            ///< the wire's: the load's, and where it pulls at its stop more
     S model_ohm;            ///< resistance expected at the last measurement, before the correction
     S innovation_ohm;       ///< measured less expected resistance; 0 if there was no correction
@@ -137,9 +138,11 @@ struct KalmanObserver : FilterStates {
   /// Whether the resistance differs from the model's by more than 1 %, averaged over 2 s.
   static bool contradicted(const State& s) { return S(0.01) < s.mismatch; }
   /// Whether the resistance has differed from the model's in one direction, for 0.1 s or so, by
-  /// more than errors of the model, times this factor, and of the sensors explain.
+  /// more than errors of the model, times this factor, and of the sensors explain. The model's
+  /// error is larger while the load changes.
   static bool strayed(const Params& p, const State& s, const S& factor) {
-    return factor * p.tuning.resistance_bias + S(3) * s.noise < magnitude(s.bias);
+    const S moving = S(1) + magnitude(s.load_Pa - s.slow_load_Pa) / S(30e6);
+    return factor * moving * p.tuning.resistance_bias + S(3) * s.noise < magnitude(s.bias);
   }
   /// Whether the wire pulls at its stop. Its stress follows from strain and heat balance then: the
   /// resistance hardly shows the phases of a wire whose length is held.
@@ -255,6 +258,7 @@ void KalmanObserver<S>::start(const Params& p, State& s, const Measurement<S>& m
   s.loss_range = t.loss_range;
   s.resistance = S(1);
   s.load_Pa = m.stress_Pa;
+  s.slow_load_Pa = m.stress_Pa;
   s.stress_Pa = m.stress_Pa;
   const S sd[size] = {temperature_sd_K,     fraction_sd,     fraction_sd,
                       t.start_ambient_sd_K, t.start_loss_sd, t.start_resistance_sd};
@@ -298,6 +302,7 @@ void KalmanObserver<S>::advance(const Params& p, State& s, const Measurement<S>&
     const S alpha = dt_s / (dt_s + p.tuning.stress_filter_s);
     s.load_Pa += alpha * (m.stress_Pa - s.load_Pa);
   }
+  s.slow_load_Pa += dt_s / (dt_s + S(0.5)) * (s.load_Pa - s.slow_load_Pa);
   const S before_Pa = s.stress_Pa;
   s.stress_Pa = s.load_Pa;
   const Linear f = S(0) < p.stop_strain ? predict_at_stop(p, s, m.power_W, dt_s, before_Pa)

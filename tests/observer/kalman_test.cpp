@@ -231,6 +231,34 @@ TEST(Kalman, FloatFollowsDouble) {
   expect_between(worst_mean, 1e-7, 1e-3, "mean difference");
 }
 
+/// A bias of the innovation is blamed on the air where the load stands still, and while it changes
+/// only if it is larger: then the model itself may be wrong by so much.
+TEST(Kalman, AChangingLoadExplainsABias) {
+  const Filter::Params p = tuned();
+  Measurement<double> m{20, 0.01, 0.05, 150e6, false, true, true};
+  Filter::State s = Filter::start(p, m, told_ambient_K);
+  const auto run = [&](double seconds, double Pa_s) {
+    for (int i = 0; i < static_cast<int>(seconds / sample_s); ++i) {
+      m.stress_Pa += Pa_s * sample_s;
+      Filter::advance(p, s, m, sample_s);
+    }
+  };
+  for (const double slope_Pa_s : {100e6, -100e6}) {
+    for (const double sign : {1.0, -1.0}) {
+      run(5, 0);
+      s.bias = sign * 1.5 * p.tuning.resistance_bias;
+      EXPECT_TRUE(Filter::strayed(p, s, 1));
+      run(1, slope_Pa_s);
+      EXPECT_FALSE(Filter::strayed(p, s, 1));
+      s.bias = sign * 4 * p.tuning.resistance_bias;
+      EXPECT_TRUE(Filter::strayed(p, s, 1));
+      s.bias = sign * 1.5 * p.tuning.resistance_bias;
+      run(3, 0);
+      EXPECT_TRUE(Filter::strayed(p, s, 1));
+    }
+  }
+}
+
 /// Errors of the strain after the first second, in % of the nominal stroke and by the filter's own
 /// deviation.
 struct Errors {
