@@ -682,9 +682,10 @@ TEST(MultipleModel, RubbishNeverMakesItSayNaN) {
     lost += late < 0.06 ? 0 : 1;
     sum += late;
   }
-  // Of 1000 wires 62 do not come back: such readings drive the slow states to their bounds, and
-  // what is left of the contradiction may be too little for a new search.
-  EXPECT_LE(lost, 16) << "of " << wires;
+  // Of 2000 wires 6.8 % do not come back: such readings drive the slow states to their bounds, and
+  // what is left of the contradiction may be too little for a new search. Of 200 wires that is 13.6
+  // on average, with a standard deviation of 3.6; two of these above the average are allowed.
+  EXPECT_LE(lost, 20) << "of " << wires;
   EXPECT_LE(sum / wires, 0.025);
 }
 
