@@ -18,7 +18,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::Not;
 
 constexpr double length_m = 0.1;
@@ -480,7 +479,9 @@ TEST(BadFiles, AGoodOneHasNoMistakes) {
   program.folder().write("run.csv", Table::good().text());
   const Finished f = program.run({"replay", "run.csv"});
   EXPECT_EQ(f.status, 0);
-  EXPECT_THAT(f.err, IsEmpty());
+  // Every complaint names the file. Progress, which a slow machine tells after ten seconds, does
+  // not.
+  EXPECT_THAT(f.err, Not(HasSubstr("run.csv")));
   const Finished inspected = program.run({"inspect", "--wire", "smartflex-76um", "run.csv"});
   EXPECT_EQ(inspected.status, 0);
   EXPECT_THAT(inspected.out, AllOf(Not(HasSubstr("mistake")), Not(HasSubstr("note"))));
