@@ -65,6 +65,11 @@ class PowerRange {
   /// Time constant with which a wire may approach its limit of temperature or strain, where it is
   /// then held.
   static constexpr S approach_s = S(0.01);
+  /// How far the temperature by HotResistance may be above the limit. The power is not limited by
+  /// less: a wire that cools a little from its limit begins to transform, which raises its
+  /// resistance, so that it would be taken for a hotter one and be cooled further, through its
+  /// whole hysteresis, again and again.
+  static constexpr S hot_margin_K = S(1.5);
 
   void max(LimitReason why, const S& power_W) {
     if (power_W < max_W_) {
@@ -95,8 +100,8 @@ PowerRange<S>::PowerRange(const Prepared<S>& p, const ControlInputs<S>& known, c
   const S max_W = max_W_;
   max(LimitReason::power, q.power_W);
   min_W_ = max_W_ < min_W_ ? max_W_ : min_W_;
-  const S wire_K =
-      known.estimate.temperature_K < known.hot_K ? known.hot_K : known.estimate.temperature_K;
+  const S hot_K = known.hot_K - hot_margin_K;
+  const S wire_K = known.estimate.temperature_K < hot_K ? hot_K : known.estimate.temperature_K;
   const S hottest_K = wire_K < known.weak_K ? known.weak_K : wire_K;
   const S below_K = q.temperature_K - q.hot_spot_K - hottest_K;
   max(LimitReason::temperature,

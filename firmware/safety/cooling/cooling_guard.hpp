@@ -48,6 +48,11 @@
 //     weak        each 5 s, so that a fan that runs again is found
 //     overheated  the same; until the wire is hot again a fault says that it was too hot
 //
+// Where a test finds less cooling than the one before, the next one comes after 1 s, then after 2,
+// 4 ... s again: what has begun to fall mostly falls further. A test that a motion or an alarm
+// brings in the first half of this time does not double it. The verdict is weak where less than 0.7
+// of the file's cooling is left, and where less than 0.9 is left and the wire was too hot with it.
+//
 // A wire whose cooling is confirmed may be held for any time while power, load and resistance stay
 // as they are, since the cooling mostly does, too. ResistanceWatch sees where they do not. A wire
 // is pressed while the temperature limit acts, and where it is close to its limit and wholly
@@ -92,7 +97,7 @@ struct CoolingGuard {
     S cooling;            ///< share of the file's, 0.3 to 1
     std::uint8_t least;   ///< index of the least share that is still possible, where none
     std::uint8_t doubts;  ///< tests in a row that told too little
-    S lease_s;            ///< time for which `confirmed` is valid while the wire is pressed
+    S lease_s;            ///< time until the next test of a wire that is pressed, or `weak`
     S trust_s;  ///< time after a test in which a rise of the resistance is no reason for one
     S since_s;  ///< time since the last test, up to 1000
   } told;
@@ -173,7 +178,7 @@ struct CoolingGuard {
   /// and three of them in a row count as one that is good.
   static constexpr S error = S(0.2);
   static constexpr std::uint8_t max_doubts = 3;
-  /// With 0.7 of its cooling a wire stays below its limit, by the margin of limits.hot_spot_K.
+  /// Least cooling with which a verdict is not weak, if the wire has stayed below its limit.
   static constexpr S enough = S(0.7), enough_in_doubt = S(0.85), enough_again = S(0.9);
 
   // The temperatures that lead to a probe.
@@ -192,6 +197,9 @@ struct CoolingGuard {
   static constexpr S pressed_K = S(12);  ///< distance within which a wire can be pressed
   static constexpr S pressed_s = S(0.5), pressed_cold = S(0.05);
   static constexpr S first_lease_s = S(1), last_lease_s = S(20), again_s = S(5);
+  /// Loss of cooling from one test to the next that ends a lease; good tests of an unchanged wire
+  /// scatter by 0.03.
+  static constexpr S falls_by = S(0.05);
   /// A rise of the resistance counts as heat where by the file's cooling the wire is this far above
   /// the beginning of the transformation. With up to 1.3 of the file's cooling it truly is above
   /// it.
@@ -228,6 +236,7 @@ struct CoolingGuard {
   bool begin(const MonitorInputs<S>& seen, const Starts& start);
   void follow(const MonitorInputs<S>& seen, const Starts& start);
   void end(Verdict verdict);
+  void renew_lease(bool falls, bool less);
   void judge(const MonitorInputs<S>& seen, const S& transforms_K);
   void doubt(const MonitorInputs<S>& seen);
   void settle(const MonitorInputs<S>& seen);
@@ -376,12 +385,25 @@ bool CoolingGuard<S>::is_pressed(const MonitorInputs<S>& seen) const {
 template <class S>
 bool CoolingGuard<S>::wants_probe(const MonitorInputs<S>& seen) const {
   if (weak()) {
-    return again_s < told.since_s;
+    return min(told.lease_s, again_s) < told.since_s;
   }
   if (confirmed()) {
     return told.lease_s < told.since_s && is_pressed(seen);
   }
   return too_hot(seen, shares.temperature_K[told.least]);
+}
+
+/// `falls`: the test has found less cooling than the one before; `less`: the verdict will be weak.
+template <class S>
+void CoolingGuard<S>::renew_lease(bool falls, bool less) {
+  const bool early = told.since_s + told.since_s < told.lease_s;
+  if (falls) {
+    told.lease_s = first_lease_s;
+  } else if (less && !weak()) {
+    told.lease_s = told.lease_s < again_s ? again_s : told.lease_s;
+  } else if (!early) {
+    told.lease_s = clamp(told.lease_s + told.lease_s, first_lease_s, last_lease_s);
+  }
 }
 
 /// To be called when the resistance has risen, so that the wire has the temperature at which it
@@ -397,22 +419,25 @@ void CoolingGuard<S>::judge(const MonitorInputs<S>& seen, const S& transforms_K)
   const bool is_good = (good < match.cooling && !weak()) || good_K < shares.spread_K();
   told.doubts = is_good ? std::uint8_t{0} : static_cast<std::uint8_t>(told.doubts + 1U);
   const bool decided = is_good || max_doubts <= told.doubts;
+  const bool falls = match.cooling < told.cooling - falls_by;
   if (decided || !weak() || match.cooling < told.cooling) {
     told.cooling = match.cooling;
     told.share = match.share;
   }
   const S needed = weak() ? enough_again : decided && !is_good ? enough_in_doubt : enough;
-  const bool less = match.cooling < needed;
+  const bool far_less = match.cooling < needed;
+  const bool was_too_hot = too_hot(seen, match.peak_K);
+  const bool less = far_less || (match.cooling < enough_again && was_too_hot);
   told.doubts = decided ? std::uint8_t{0} : told.doubts;
   watch.lowest = S(0);
-  told.lease_s = clamp(told.lease_s + told.lease_s, first_lease_s, last_lease_s);
+  renew_lease(falls, less);
   // Smaller shares also remain possible, within the error of a short test.
   told.least = 0;
   while (!less && told.least < match.share &&
          Shares::shares[told.least + 1U] < match.cooling - error) {
     ++told.least;
   }
-  end(less      ? too_hot(seen, match.peak_K) ? Verdict::overheated : Verdict::weak
+  end(less      ? far_less && was_too_hot ? Verdict::overheated : Verdict::weak
       : decided ? Verdict::confirmed
       : weak()  ? Verdict::weak
                 : Verdict::none);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <memory>
+#include <random>
+#include <utility>
 
 #include "tests/firmware/device/rig.hpp"
 
@@ -157,6 +160,74 @@ TEST_P(LessCooling, IsFoundAtWhateverMomentItIsLost) {
     rig.draught = GetParam();
     rig.run(20);
     EXPECT_LT(rig.hottest_K, rig.settings.limits.temperature_K + 15) << i;
+  }
+}
+
+/// A wire drawn at random that heats against its limit, under 70 to 200 MPa, in air that is
+/// measured.
+std::unique_ptr<Rig> random_pressed_rig(std::mt19937_64& random, bool distributed) {
+  const Settings<double> settings = pressed_settings();
+  const Unlike unlike = random_unlike(random);
+  const double load_Pa = std::uniform_real_distribution<double>(70e6, 200e6)(random);
+  std::unique_ptr<RigWire> wire;
+  if (distributed) {
+    wire = std::make_unique<DistributedRigWire>(settings.wire, unlike, load_Pa, random);
+  } else {
+    wire = std::make_unique<LumpedRigWire>(settings.wire, unlike, load_Pa);
+  }
+  auto rig = std::make_unique<Rig>(settings, std::move(wire), load_Pa, random());
+  rig->tamper_inputs = [air_K = unlike.ambient_K](Inputs<double>& in) { in.ambient_K = air_K; };
+  rig->run(0.2);
+  rig->arm(Mode::power, 10);
+  return rig;
+}
+
+/// Cooling that falls to a half within 20 s, as where a fan runs down or a box is closed: each test
+/// finds a little less than the one before. What becomes too hot is told.
+TEST(CoolingGuard, FollowsCoolingThatFadesAway) {
+  constexpr int wires = 8;
+  for (const bool distributed : {false, true}) {
+    std::mt19937_64 random(400);
+    double hot_s = 0;
+    int above_15_K = 0;
+    for (int wire = 0; wire < wires; ++wire) {
+      const auto rig = random_pressed_rig(random, distributed);
+      rig->run(std::uniform_real_distribution<double>(10, 15)(random));
+      ASSERT_EQ(rig->out.state, DeviceState::running) << wire;
+      bool told = false;
+      for (int i = 0; i < 250; ++i) {
+        rig->draught = std::max(0.5, 1 - i / 400.0);
+        hot_s += too_hot_s(*rig, 0.1);
+        told = told || rig->out.warnings.has(Fault::cooling_weak) ||
+               rig->out.latched.has(Fault::cooling_lost);
+      }
+      const double above_K = rig->hottest_K - rig->settings.limits.temperature_K;
+      EXPECT_TRUE(told || above_K < 0) << wire;
+      above_15_K += above_K > 15 ? 1 : 0;
+    }
+    EXPECT_EQ(above_15_K, 0);
+    EXPECT_LT(hot_s, 0.5 * wires);
+  }
+}
+
+/// A wire that is held at its limit stays there, but for the probes. It must not be taken for a
+/// hotter one when it cools a little and begins to transform: it would swing through its hysteresis
+/// once a second, and each swing would be a test without a probe.
+TEST(CoolingGuard, LetsAPressedWireRest) {
+  for (const bool distributed : {false, true}) {
+    std::mt19937_64 random(501);
+    for (int wire = 0; wire < 4; ++wire) {
+      const auto rig = random_pressed_rig(random, distributed);
+      int swings = 0;
+      for (int i = 0; i < 60'000; ++i) {
+        const bool probing = guard(*rig).probing();
+        const double since_s = guard(*rig).told.since_s;
+        rig->step();
+        swings += !probing && guard(*rig).told.since_s < since_s ? 1 : 0;
+      }
+      EXPECT_EQ(rig->out.state, DeviceState::running) << wire;
+      EXPECT_LE(swings, 2) << wire << (distributed ? " distributed" : "");
+    }
   }
 }
 

@@ -27,6 +27,8 @@ void hold_at_limit(Rig& rig) {
   rig.run(3);
 }
 
+/// The last martensite that disappears takes away a part of what the heat adds to the resistance,
+/// so the temperature that it tells is a lower bound.
 TEST(HotResistance, KeepsAWireThatIsCooledLessBelowItsLimit) {
   for (const double draught : {0.9, 0.8, 0.7}) {
     Rig rig = plain_rig(hot_settings(), 50e6);
@@ -35,7 +37,9 @@ TEST(HotResistance, KeepsAWireThatIsCooledLessBelowItsLimit) {
     rig.draught = draught;
     rig.run(3);
     EXPECT_LE(rig.hottest_K, rig.settings.limits.temperature_K + 3) << draught;
-    EXPECT_NEAR(rig.state.monitor.wire.hot.temperature_K, rig.wire->hottest_K(), 5) << draught;
+    const double told_K = rig.state.monitor.wire.hot.temperature_K;
+    EXPECT_LE(told_K, rig.wire->hottest_K()) << draught;
+    EXPECT_GT(told_K, rig.wire->hottest_K() - 7) << draught;
     EXPECT_FALSE(rig.out.latched.has(Fault::overheat_signature)) << draught;
   }
 }
