@@ -65,10 +65,10 @@ class PowerRange {
   /// Time constant with which a wire may approach its limit of temperature or strain, where it is
   /// then held.
   static constexpr S approach_s = S(0.01);
-  /// How far the temperature by HotResistance may be above the limit. The power is not limited by
-  /// less: a wire that cools a little from its limit begins to transform, which raises its
-  /// resistance, so that it would be taken for a hotter one and be cooled further, through its
-  /// whole hysteresis, again and again.
+  /// HotResistance limits the power only above the limit plus this margin. A wire that cools a
+  /// little from its limit begins to transform, which raises its resistance. Without the margin it
+  /// would be taken for a hotter one and be cooled further, through its whole hysteresis, again and
+  /// again.
   static constexpr S hot_margin_K = S(1.5);
 
   void max(LimitReason why, const S& power_W) {

@@ -45,13 +45,15 @@
 //
 //     none        at once where the wire could be too hot with the least cooling that is possible
 //     confirmed   where it is pressed against its limit, 1, 2, 4 ... 20 s after the last test
-//     weak        each 5 s, so that a fan that runs again is found
+//     weak        each 5 s, so that a fan that runs again is found; 1, 2, 4 s after a fall
 //     overheated  the same; until the wire is hot again a fault says that it was too hot
 //
-// Where a test finds less cooling than the one before, the next one comes after 1 s, then after 2,
-// 4 ... s again: what has begun to fall mostly falls further. A test that a motion or an alarm
-// brings in the first half of this time does not double it. The verdict is weak where less than 0.7
-// of the file's cooling is left, and where less than 0.9 is left and the wire was too hot with it.
+// Where a test finds less cooling than the one before, by 0.05 or more, the next one comes after
+// 1 s, then after 2, 4 ... s again: what has begun to fall mostly falls further. A test made by a
+// motion or an alarm before half of this time has passed does not double it. The verdict is weak
+// where less than 0.7 of the file's cooling is left, and where less than 0.9 is left with which the
+// wire was too hot. It is overheated where the wire was too hot with less than 0.7: or 0.85, after
+// three tests that told too little, or 0.9, if the verdict was weak before.
 //
 // A wire whose cooling is confirmed may be held for any time while power, load and resistance stay
 // as they are, since the cooling mostly does, too. ResistanceWatch sees where they do not. A wire
@@ -97,7 +99,7 @@ struct CoolingGuard {
     S cooling;            ///< share of the file's, 0.3 to 1
     std::uint8_t least;   ///< index of the least share that is still possible, where none
     std::uint8_t doubts;  ///< tests in a row that told too little
-    S lease_s;            ///< time until the next test of a wire that is pressed, or `weak`
+    S lease_s;  ///< time from the last test to the next while pressed; if weak, at most again_s
     S trust_s;  ///< time after a test in which a rise of the resistance is no reason for one
     S since_s;  ///< time since the last test, up to 1000
   } told;
@@ -178,7 +180,7 @@ struct CoolingGuard {
   /// and three of them in a row count as one that is good.
   static constexpr S error = S(0.2);
   static constexpr std::uint8_t max_doubts = 3;
-  /// Least cooling with which a verdict is not weak, if the wire has stayed below its limit.
+  /// Least cooling with which a verdict is not weak; if the wire was too hot, always enough_again.
   static constexpr S enough = S(0.7), enough_in_doubt = S(0.85), enough_again = S(0.9);
 
   // The temperatures that lead to a probe.
@@ -197,8 +199,8 @@ struct CoolingGuard {
   static constexpr S pressed_K = S(12);  ///< distance within which a wire can be pressed
   static constexpr S pressed_s = S(0.5), pressed_cold = S(0.05);
   static constexpr S first_lease_s = S(1), last_lease_s = S(20), again_s = S(5);
-  /// Loss of cooling from one test to the next that ends a lease; good tests of an unchanged wire
-  /// scatter by 0.03.
+  /// Loss of cooling from one test to the next that sets the lease to first_lease_s; good tests of
+  /// an unchanged wire scatter by 0.03.
   static constexpr S falls_by = S(0.05);
   /// A rise of the resistance counts as heat where by the file's cooling the wire is this far above
   /// the beginning of the transformation. With up to 1.3 of the file's cooling it truly is above
@@ -378,14 +380,16 @@ bool CoolingGuard<S>::stays_austenite(const MonitorInputs<S>& seen, const S& sta
 template <class S>
 bool CoolingGuard<S>::is_pressed(const MonitorInputs<S>& seen) const {
   const S cold = seen.estimate.martensite + seen.estimate.r_phase;
-  return mean_max_K(seen) - pressed_K < whole_K() &&
-         (unlimited_s < pressed_s || cold < pressed_cold);
+  const S wire_K =
+      whole_K() < seen.estimate.temperature_K ? seen.estimate.temperature_K : whole_K();
+  return mean_max_K(seen) - pressed_K < wire_K && (unlimited_s < pressed_s || cold < pressed_cold);
 }
 
 template <class S>
 bool CoolingGuard<S>::wants_probe(const MonitorInputs<S>& seen) const {
   if (weak()) {
-    return min(told.lease_s, again_s) < told.since_s;
+    const bool renewed = S(0) < told.lease_s && told.lease_s < again_s;
+    return (renewed ? told.lease_s : again_s) < told.since_s;
   }
   if (confirmed()) {
     return told.lease_s < told.since_s && is_pressed(seen);
@@ -411,8 +415,10 @@ void CoolingGuard<S>::renew_lease(bool falls, bool less) {
 /// verdict.
 template <class S>
 void CoolingGuard<S>::judge(const MonitorInputs<S>& seen, const S& transforms_K) {
-  phase = Phase::cold;
   if (shares.spread_K() < told_apart_K) {
+    // A wire that is probed as soon as it is hot has no result; it has to stay hot before the next.
+    told.since_s = probing() && weak() ? S(0) : told.since_s;
+    phase = Phase::cold;
     return;
   }
   const typename Shares::Match match = shares.match(transforms_K);

@@ -28,8 +28,8 @@ struct CoolingShares {
   /// If this is small, the wire was hot for too short a time to distinguish the shares.
   S spread_K() const { return temperature_K[0] - temperature_K[whole]; }
 
-  /// In air of the temperature that is measured at the wire. The observer's is taken only where
-  /// there is no such sensor: it explains a part of the cooling that is missing by warmer air, 7 K
+  /// Makes a step with the measured temperature of the air. The observer's is taken only where
+  /// there is no sensor: it explains a part of the cooling that is missing by warmer air, 7 K
   /// where 0.7 is left, and a test then finds 0.83. Cost: six times eight operations, a division.
   void integrate(const MonitorInputs<S>& seen);
 

@@ -194,6 +194,7 @@ TEST(CoolingGuard, FollowsCoolingThatFadesAway) {
       const auto rig = random_pressed_rig(random, distributed);
       rig->run(std::uniform_real_distribution<double>(10, 15)(random));
       ASSERT_EQ(rig->out.state, DeviceState::running) << wire;
+      ASSERT_FALSE(guard(*rig).weak()) << wire;
       bool told = false;
       for (int i = 0; i < 250; ++i) {
         rig->draught = std::max(0.5, 1 - i / 400.0);
@@ -216,6 +217,7 @@ TEST(CoolingGuard, FollowsCoolingThatFadesAway) {
 TEST(CoolingGuard, LetsAPressedWireRest) {
   for (const bool distributed : {false, true}) {
     std::mt19937_64 random(501);
+    int tested = 0;
     for (int wire = 0; wire < 4; ++wire) {
       const auto rig = random_pressed_rig(random, distributed);
       int swings = 0;
@@ -226,8 +228,12 @@ TEST(CoolingGuard, LetsAPressedWireRest) {
         swings += !probing && guard(*rig).told.since_s < since_s ? 1 : 0;
       }
       EXPECT_EQ(rig->out.state, DeviceState::running) << wire;
+      tested += guard(*rig).told.lease_s >= 4 ? 1 : 0;
+      const double limit_K = rig->settings.limits.temperature_K - rig->settings.limits.hot_spot_K;
+      EXPECT_GT(rig->hottest_K, limit_K - 10) << wire;
       EXPECT_LE(swings, 2) << wire << (distributed ? " distributed" : "");
     }
+    EXPECT_GE(tested, 2) << "the guard has confirmed their cooling several times";
   }
 }
 
@@ -267,6 +273,34 @@ TEST(CoolingGuard, FindsThatAFanRunsAgain) {
   rig.run(15);
   EXPECT_FALSE(rig.out.warnings.has(Fault::cooling_weak));
   EXPECT_EQ(rig.out.cooling, 1);
+}
+
+/// A wire that is probed as soon as it is hot has been hot for too short a time for a result, most
+/// of all under a light load in warm air. The next probe must wait, also after a gust.
+TEST(CoolingGuard, ProbesAWeakWireOnlyAfterItHasBeenHot) {
+  Unlike unlike;
+  unlike.ambient_K = 311.15;
+  Settings<double> settings = pressed_settings();
+  Rig rig(settings, std::make_unique<LumpedRigWire>(settings.wire, unlike, 40e6), 40e6);
+  rig.tamper_inputs = [](Inputs<double>& in) { in.ambient_K = 311.15; };
+  rig.run(0.2);
+  rig.draught = 0.6;
+  rig.arm(Mode::power, 10);
+  rig.run(26);
+  ASSERT_TRUE(guard(rig).weak());
+  int probes = 0;
+  for (int i = 0; i < 40'000; ++i) {
+    if (i < 20'000) {
+      rig.draught = i / 2000 % 2 == 0 ? 0.55 : 0.65;
+    } else {
+      rig.command.setpoint = i / 1000 % 8 < 7 ? 0.05 : 10;
+    }
+    const bool before = guard(rig).probing();
+    rig.step();
+    probes += guard(rig).probing() && !before ? 1 : 0;
+  }
+  EXPECT_EQ(rig.out.state, DeviceState::running);
+  EXPECT_LE(probes, 20);
 }
 
 /// R-phase is doubted only where no test has just shown it: held there, the wire is left alone.
