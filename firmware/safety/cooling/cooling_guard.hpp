@@ -238,6 +238,7 @@ struct CoolingGuard {
   bool begin(const MonitorInputs<S>& seen, const Starts& start);
   void follow(const MonitorInputs<S>& seen, const Starts& start);
   void end(Verdict verdict);
+  void end_without_result();
   void renew_lease(bool falls, bool less);
   void judge(const MonitorInputs<S>& seen, const S& transforms_K);
   void doubt(const MonitorInputs<S>& seen);
@@ -397,6 +398,13 @@ bool CoolingGuard<S>::wants_probe(const MonitorInputs<S>& seen) const {
   return too_hot(seen, shares.temperature_K[told.least]);
 }
 
+template <class S>
+void CoolingGuard<S>::end_without_result() {
+  // A wire that is probed as soon as it is hot has no result; it has to stay hot before the next.
+  told.since_s = probing() && weak() ? S(0) : told.since_s;
+  phase = Phase::cold;
+}
+
 /// `falls`: the test has found less cooling than the one before; `less`: the verdict will be weak.
 template <class S>
 void CoolingGuard<S>::renew_lease(bool falls, bool less) {
@@ -416,9 +424,7 @@ void CoolingGuard<S>::renew_lease(bool falls, bool less) {
 template <class S>
 void CoolingGuard<S>::judge(const MonitorInputs<S>& seen, const S& transforms_K) {
   if (shares.spread_K() < told_apart_K) {
-    // A wire that is probed as soon as it is hot has no result; it has to stay hot before the next.
-    told.since_s = probing() && weak() ? S(0) : told.since_s;
-    phase = Phase::cold;
+    end_without_result();
     return;
   }
   const typename Shares::Match match = shares.match(transforms_K);
@@ -443,10 +449,9 @@ void CoolingGuard<S>::judge(const MonitorInputs<S>& seen, const S& transforms_K)
          Shares::shares[told.least + 1U] < match.cooling - error) {
     ++told.least;
   }
-  end(less      ? far_less && was_too_hot ? Verdict::overheated : Verdict::weak
-      : decided ? Verdict::confirmed
-      : weak()  ? Verdict::weak
-                : Verdict::none);
+  const Verdict too_little = far_less && was_too_hot ? Verdict::overheated : Verdict::weak;
+  const Verdict undecided = weak() ? Verdict::weak : Verdict::none;
+  end(less ? too_little : decided ? Verdict::confirmed : undecided);
 }
 
 /// To be called when the cooling has changed: all shares are possible, from the present

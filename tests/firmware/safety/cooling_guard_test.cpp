@@ -280,7 +280,7 @@ TEST(CoolingGuard, FindsThatAFanRunsAgain) {
 TEST(CoolingGuard, ProbesAWeakWireOnlyAfterItHasBeenHot) {
   Unlike unlike;
   unlike.ambient_K = 311.15;
-  Settings<double> settings = pressed_settings();
+  const Settings<double> settings = pressed_settings();
   Rig rig(settings, std::make_unique<LumpedRigWire>(settings.wire, unlike, 40e6), 40e6);
   rig.tamper_inputs = [](Inputs<double>& in) { in.ambient_K = 311.15; };
   rig.run(0.2);
