@@ -30,7 +30,8 @@ struct TraceReader::Impl {
   std::string path;
   TraceOptions options;
   std::unique_ptr<TraceText> source;
-  std::vector<char> buffer = std::vector<char>(buffer_size);
+  /// Not set to zero: most files fill a small part of it.
+  std::unique_ptr<char[]> buffer = std::make_unique_for_overwrite<char[]>(buffer_size);
   std::size_t begin = 0, end = 0;  ///< unread bytes in the buffer
   bool at_end = false;
   std::uint64_t line = 0, read = 0, rows = 0, skipped = 0, repeated = 0;
@@ -62,16 +63,16 @@ struct TraceReader::Impl {
 
   void fill() {
     if (begin > 0) {
-      std::memmove(buffer.data(), buffer.data() + begin, end - begin);
+      std::memmove(buffer.get(), buffer.get() + begin, end - begin);
       end -= begin;
       begin = 0;
     }
-    if (end == buffer.size()) {
-      fail(fmt::format("{}: longer than {} bytes{}", place(line + 1), buffer.size(),
+    if (end == buffer_size) {
+      fail(fmt::format("{}: longer than {} bytes{}", place(line + 1), buffer_size,
                        source->is_mcap() ? "" : "; is this a CSV file?"));
     }
     try {
-      const std::size_t got = source->read(buffer.data() + end, buffer.size() - end);
+      const std::size_t got = source->read(buffer.get() + end, buffer_size - end);
       at_end = got == 0;
       end += got;
     } catch (const files::UserError& problem) {
@@ -85,14 +86,14 @@ struct TraceReader::Impl {
   bool next_line(std::string_view& text, bool& complete) {
     std::size_t searched = begin;
     for (;;) {
-      const char* from = buffer.data() + searched;
+      const char* from = buffer.get() + searched;
       const void* found = std::memchr(from, '\n', end - searched);
       if (found != nullptr || (at_end && begin < end)) {
         complete = found != nullptr;
-        const char* start = buffer.data() + begin;
-        const char* stop = complete ? static_cast<const char*>(found) : buffer.data() + end;
+        const char* start = buffer.get() + begin;
+        const char* stop = complete ? static_cast<const char*>(found) : buffer.get() + end;
         text = std::string_view(start, static_cast<std::size_t>(stop - start));
-        begin = static_cast<std::size_t>(stop - buffer.data()) + (complete ? 1 : 0);
+        begin = static_cast<std::size_t>(stop - buffer.get()) + (complete ? 1 : 0);
         if (!text.empty() && text.back() == '\r') {
           text.remove_suffix(1);
         }

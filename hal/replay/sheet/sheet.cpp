@@ -38,9 +38,11 @@ std::string_view name_of(char separator) {
 }  // namespace
 
 bool Utf8Text::more(std::string& text) {
-  block_.resize(block);
-  const std::size_t got = read_(block_.data(), block);
-  bytes_.append(block_, 0, got);
+  if (!block_) {
+    block_ = std::make_unique_for_overwrite<char[]>(block);
+  }
+  const std::size_t got = read_(block_.get(), block);
+  bytes_.append(block_.get(), got);
   if (width_ == 0 && got > 0 && bytes_.size() < 3) {
     return true;
   }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,11 +34,11 @@ class Utf8Text {
   void decode(std::string& text);
 
   Read read_;
-  std::string block_;
-  std::string bytes_;       ///< read, and not decoded yet
-  int width_ = 0;           ///< bytes of a unit of the text; 0: nothing has been read
-  bool big_ = false;        ///< the high byte comes first
-  std::uint32_t high_ = 0;  ///< first half of a character in two units
+  std::unique_ptr<char[]> block_;  ///< not set to zero: most files fill a small part of it
+  std::string bytes_;              ///< read, and not decoded yet
+  int width_ = 0;                  ///< bytes of a unit of the text; 0: nothing has been read
+  bool big_ = false;               ///< the high byte comes first
+  std::uint32_t high_ = 0;         ///< first half of a character in two units
 };
 
 class CsvOfSheet {
