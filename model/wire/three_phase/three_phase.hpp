@@ -27,7 +27,8 @@
 
 namespace smaservo {
 
-/// Remembers up to `memory_depth` open loops; if there are more, the outermost are forgotten.
+/// Remembers up to `memory_depth` open loops. If there are more, the one that is most nearly closed
+/// is forgotten: a branch that would have passed it differs by no more than was left to close it.
 template <class S, std::size_t memory_depth = 8>
 struct ThreePhase {
   using Scalar = S;
@@ -342,19 +343,54 @@ struct ThreePhase {
     s.hot.pop();
     s.cold.pop();
   }
-  static void forget_outermost_loop(State& s) {
-    s.hot.drop_oldest();
-    s.cold.drop_oldest();
-    if (s.cold.size() > 0) {
-      s.cold.begin()->returning = S(0);
+  /// How far two states are apart, from the fractions of two phases in each.
+  static S apart(const S& one, const S& other, const S& one_r, const S& other_r) {
+    const S by = one - other;
+    const S by_r = one_r - other_r;
+    return (by < S(0) ? -by : by) + (by_r < S(0) ? -by_r : by_r);
+  }
+  /// Makes room in a full memory, at the end of a cooling branch, where each hot turn has a cold
+  /// one before it. Between two cold turns that are almost the same state lies a loop that is
+  /// almost closed, and likewise between two hot ones; the closest two of all become one, and the
+  /// turn between them goes. (Forgetting the outermost loop instead makes a hot wire under noise
+  /// convert anew with every ripple; forgetting the innermost sends small loops along the branch of
+  /// a large one. Either let a held wire jump by 20 % of its stroke.)
+  static void forget_narrowest_loop(State& s) {
+    std::size_t cold = 1;
+    std::size_t hot = 1;
+    S least = S(2);
+    const auto take = [&](const S& width, std::size_t cold_turn, std::size_t hot_turn) {
+      if (width < least) {
+        least = width;
+        cold = cold_turn;
+        hot = hot_turn;
+      }
+    };
+    for (std::size_t i = 1; i <= s.cold.size(); ++i) {
+      const ColdTurn& turn = s.cold.at(i);
+      const HotTurn& before = s.hot.at(i - 1);
+      const HotTurn& after = s.hot.at(i);
+      const bool is_last = i == s.cold.size();
+      take(apart(before.martensite, after.martensite, before.r_phase, after.r_phase), i,
+           i == 1 ? 1 : i - 1);
+      take(apart(turn.austenite, is_last ? phases(s).austenite() : s.cold.at(i + 1).austenite,
+                 turn.r_phase, is_last ? s.r_phase : s.cold.at(i + 1).r_phase),
+           i, i);
     }
+    // What returned on the way to the forgotten cold turn returns on the way to the one before it.
+    const S returning = s.cold.at(cold).returning;
+    const S r_phase = s.cold.at(cold - 1).r_phase;
+    s.hot.erase(hot);
+    s.cold.erase(cold);
+    S& next = cold <= s.cold.size() ? s.cold.begin()[cold - 1].returning : s.returning;
+    next = min(next + returning, r_phase);
   }
 
   template <class Isobars>
   static bool turn_to_heating(const Params& p, const Isobars& at, State& s) {
     if (p.memory == Memory::return_point) {
       if (s.cold.full()) {
-        forget_outermost_loop(s);
+        forget_narrowest_loop(s);
       }
       s.cold.push({s.forward, phases(s).austenite(), s.r_phase, s.returning});
     }
@@ -375,9 +411,6 @@ struct ThreePhase {
   template <class Isobars>
   static bool turn_to_cooling(const Params& p, const Isobars& at, State& s) {
     if (p.memory == Memory::return_point) {
-      if (s.hot.full()) {
-        forget_outermost_loop(s);
-      }
       s.hot.push({s.reverse, s.martensite, s.r_phase});
     }
     s.heading = Heading::cooling;

@@ -7,9 +7,7 @@
 namespace smaservo {
 
 /// The turning points of one direction that are still open, newest last, above one that lies at
-/// infinity and is never removed. When the list is full, the owner drops the oldest pair: a branch
-/// that passes all the others then heads for infinity a little early. Dropping the newest ones
-/// instead would send every small loop along the branch of a large one.
+/// infinity and is never removed.
 template <class Turn, std::size_t depth>
 class TurningPoints {
  public:
@@ -28,12 +26,17 @@ class TurningPoints {
   /// Index 0 is the turning point at infinity, size() the newest.
   constexpr const Turn& at(std::size_t i) const { return turns_[i]; }
 
-  /// The list must not be full.
-  constexpr void push(const Turn& turn) { turns_[++top_] = turn; }
+  /// A full list stays as it is: the owner makes room before.
+  constexpr void push(const Turn& turn) {
+    if (!full()) {
+      turns_[++top_] = turn;
+    }
+  }
   constexpr void pop() { top_ = static_cast<std::uint8_t>(top_ - (top_ > 0 ? 1 : 0)); }
 
-  constexpr void drop_oldest() {
-    for (std::size_t i = 1; i < top_; ++i) {
+  /// Removes turning point i, 1..size().
+  constexpr void erase(std::size_t i) {
+    for (; i < top_; ++i) {
       turns_[i] = turns_[i + 1];
     }
     pop();

@@ -351,41 +351,106 @@ TEST_F(ThreePhaseTest, AFullMemoryKeepsTheFractionsOnTheSimplex) {
   }
 }
 
-TEST_F(ThreePhaseTest, AFullMemoryForgetsTheOutermostLoopAndNoOther) {
-  using Shallow = ThreePhase<double, 3>;
-  const Shallow::Params p = paper_wire().kinetics;
-  double worst_inner = 0;
-  double widest_outer = 0;
-  for (int i = 0; i < 500; ++i) {
-    const double stress_Pa = uniform(0, 400e6);
-    Shallow::State s = Shallow::rest(p, {420, stress_Pa});
-    std::vector<Shallow::State> turns;
-    double from_K = 420;
-    double to_K = uniform(300, 330);
-    constexpr int remembered = 2 * 3;
-    constexpr int reversals = remembered + 4;
-    for (int turn = 0; turn < reversals; ++turn) {
-      Shallow::advance(p, s, {to_K, stress_Pa});
-      turns.push_back(s);
-      const double next_K = to_K + (from_K - to_K) * uniform(0.75, 0.85);
-      from_K = to_K;
-      to_K = next_K;
+/// A memory of eight loops, beside one that never fills.
+struct TwoMemories {
+  using Deep = ThreePhase<double, 250>;
+
+  TwoMemories(const K::Params& kinetics, double at_K, double at_Pa)
+      : p(kinetics),
+        stress_Pa(at_Pa),
+        s(K::rest(p, {at_K, at_Pa})),
+        deep(Deep::rest(p, {at_K, at_Pa})) {}
+
+  void go(double to_K) {
+    K::advance(p, s, {to_K, stress_Pa});
+    Deep::advance(p, deep, {to_K, stress_Pa});
+    worst = std::max(
+        {worst, std::abs(s.martensite - deep.martensite), std::abs(s.r_phase - deep.r_phase)});
+    was_full = was_full || s.cold.full();
+  }
+
+  const K::Params& p;
+  double stress_Pa;
+  K::State s;
+  Deep::State deep;
+  double worst = 0;
+  bool was_full = false;
+};
+
+/// With the surfaces shared as in 000, and with R2A and R2M of their own.
+std::vector<K::Params> shared_and_own_surfaces() {
+  K::Params p = paper_wire().kinetics;
+  p.smallest_reversal_K = 0;
+  K::Params own = p;
+  own.separate_r2a = true;
+  own.separate_r2m = true;
+  own.r2a = own.m2a;
+  own.r2a.start_K[0] -= 10;
+  own.r2a.finish_K[0] -= 10;
+  return {p, own};
+}
+
+TEST_F(ThreePhaseTest, AFullMemoryForgetsLittle) {
+  // Loops within loops, thirty deep, and back through all of them, at several sizes.
+  for (const K::Params& p : shared_and_own_surfaces()) {
+    double worst = 0;
+    double sum = 0;
+    int above = 0;
+    int walks = 0;
+    for (const double shrink : {0.1, 0.2, 0.5, 0.9}) {
+      for (int i = 0; i < 200; ++i, ++walks) {
+        TwoMemories wire(p, 420, uniform(0, 400e6));
+        std::vector<double> turns_K{290 + 0.14e-6 * wire.stress_Pa, 410 + 0.14e-6 * wire.stress_Pa};
+        wire.go(turns_K[0]);
+        wire.go(turns_K[1]);
+        while (turns_K.size() < 60) {
+          const double last_K = turns_K.back();
+          const double before_K = turns_K[turns_K.size() - 2];
+          turns_K.push_back(std::lerp(before_K, last_K, uniform(0, shrink)));
+          wire.go(turns_K.back());
+        }
+        ASSERT_TRUE(wire.was_full);
+        for (std::size_t k = turns_K.size() - 1; k-- > 0;) {
+          wire.go(turns_K[k]);
+        }
+        worst = std::max(worst, wire.worst);
+        sum += wire.worst;
+        above += wire.worst > 0.05 ? 1 : 0;
+      }
     }
-    ASSERT_TRUE(s.hot.full() || s.cold.full());
-    for (int turn = reversals - 2; turn >= 0; --turn) {
-      const Shallow::State& want = turns[static_cast<std::size_t>(turn)];
-      Shallow::advance(p, s, want.drive);
-      expect_simplex(Shallow::phases(s));
-      const double gap =
-          std::max(std::abs(s.martensite - want.martensite), std::abs(s.r_phase - want.r_phase));
-      double& worst = turn >= reversals - remembered ? worst_inner : widest_outer;
-      worst = std::max(worst, gap);
+    std::printf("forgetting converts %.2g on average, %.2g at worst, above 0.05 in %d of %d\n",
+                sum / walks, worst, above, walks);
+    // Where the outermost loop is forgotten: 0.046 and 0.19 with shared surfaces, 0.44 and 0.68
+    // with own ones.
+    EXPECT_LT(sum / walks, 0.004);
+    if (p.separate_r2a) {
+      EXPECT_LT(above, 0.01 * walks);
+    } else {
+      EXPECT_EQ(above, 0);
     }
   }
-  std::printf("worst gap of a remembered loop %.2g, of a forgotten one %.2g\n", worst_inner,
-              widest_outer);
-  EXPECT_LT(worst_inner, 1e-12);
-  EXPECT_GT(widest_outer, 1e-3);
+}
+
+TEST_F(ThreePhaseTest, NoiseInALongHoldConvertsNothing) {
+  double worst = 0;
+  int full = 0;
+  for (const K::Params& p : shared_and_own_surfaces()) {
+    for (int i = 0; i < 100; ++i) {
+      TwoMemories wire(p, 420, uniform(0, 400e6));
+      wire.go(300);
+      const double hold_K = uniform(330, 390);
+      wire.go(hold_K);
+      double ripple_K = uniform(0.02, 1);
+      for (int k = 0; k < 4000; ++k, ripple_K *= 0.9995) {
+        wire.go(hold_K + 0.3 * std::sin(0.002 * k) + uniform(-ripple_K, ripple_K));
+      }
+      worst = std::max(worst, wire.worst);
+      full += wire.was_full ? 1 : 0;
+    }
+  }
+  std::printf("forgetting converts %.2g at worst, %d of 200 memories were full\n", worst, full);
+  EXPECT_GT(full, 100);
+  EXPECT_LT(worst, 0.001);  // 0.07 where the outermost loop is forgotten
 }
 
 }  // namespace
