@@ -17,7 +17,7 @@ trap end EXIT
 
 host_sim=$build/host-sim/host-sim
 cd "$work"
-"$build/firmware/daemon/smaservod" --board sim --bus udp >daemon.log 2>&1 &
+on_one_processor "$build/firmware/daemon/smaservod" --board sim --bus udp >daemon.log 2>&1 &
 daemon=$!
 is_there() {
   kill -0 "$daemon" || exit 1

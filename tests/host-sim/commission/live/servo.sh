@@ -24,7 +24,7 @@ is_there() {
   "$host_sim" can --can udp scan 2>&1 | grep smaservo >/dev/null
 }
 start_daemon() {
-  "$build/firmware/daemon/smaservod" --board sim --bus udp >daemon.log 2>&1 &
+  on_one_processor "$build/firmware/daemon/smaservod" --board sim --bus udp >daemon.log 2>&1 &
   daemon=$!
   becomes is_there
 }

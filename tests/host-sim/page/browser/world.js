@@ -45,6 +45,9 @@ async function until(what, condition) {
   }
 }
 
+/** The first processor that this process may use. */
+const firstProcessor = () => /^Cpus_allowed_list:\s*(\d+)/m.exec(fs.readFileSync('/proc/self/status', 'utf8'))[1];
+
 const running = new Set();
 process.on('exit', () => {
   for (const one of running) {
@@ -82,7 +85,11 @@ class World {
     this.port = 0; // any for the first bridge, then the same one
   }
 
-  /** 250 Hz, so that a busy machine is no fault of its loop; its settings outlast it. */
+  /**
+   * 250 Hz, so that a busy machine is no fault of its loop; its settings outlast it. The wire's time stands still while
+   * the loop waits for a processor, but not while its bus's thread does, from which commands come (command_timeout): on
+   * one processor neither thread goes on for long without the other.
+   */
   async startServo() {
     fs.mkdirSync(path.join(this.folder, 'store'), { recursive: true });
     const device = path.join(this.folder, 'device.toml');
@@ -90,9 +97,13 @@ class World {
       device,
       ['device.toml', 'node_1_at_250_Hz.toml']
         .map((name) => fs.readFileSync(path.join(this.sources, 'tests/can', name), 'utf8'))
+        .concat('command_timeout_ms = 60000\n')
         .join(''),
     );
     this.servo = new Program(
+      'taskset',
+      '--cpu-list',
+      firstProcessor(),
       this.smaservod,
       '--board',
       'sim',
