@@ -13,7 +13,7 @@ namespace smaservo::hal {
 namespace {
 
 /// A socket of packets discards what does not fit.
-constexpr std::size_t block_size = std::size_t{1} << 20;
+constexpr std::size_t block_size = std::size_t{1} << 16;
 constexpr std::size_t looked_at = 8;
 constexpr std::string_view gzip_magic = "\x1F\x8B", zstd_magic = "\x28\xB5\x2F\xFD";
 constexpr std::string_view xz_magic =
