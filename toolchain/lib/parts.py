@@ -59,6 +59,9 @@ CORE = ['model', 'observer', 'hal', 'firmware']
 # The pages are a tree of npm's, which only what is shipped holds. The notebooks are shipped by nothing.
 PROGRAMS = [*CORE, 'host-sim', ':!host-sim/python/notebooks', 'toolchain/package', 'LICENSE']
 NO_PAGES = [':!host-sim/page/front']
+# Nothing is built from these. Tests compare them with the programs; all of these run with the release, and one with CAN.
+NO_TEXTS = [*(f':!{folder}/*README.md' for folder in CORE), ':!firmware/SAFETY.md', ':(exclude,glob)host-sim/README.md',
+            ':(exclude,glob)host-sim/*/README.md']
 # Of the tests, what is compiled, and what compiled tests read; those in Python run with the release alone, or with
 # sanitizers, too.
 TESTS_AND_PYTHON = ['tests', ':!tests/*.js', ':!tests/*.sh', ':!tests/*.md', ':!tests/*.json']
@@ -81,7 +84,7 @@ PARTS = {
     'board': Part(
         'the daemon on emulated boards: kernels with CAN, IIO, PWM and GPIO',
         [build('release', 'board_programs'), ctest('board', live=True)],
-        [*MADE_BY, *CORE, *GUESTS, 'tests/model', *scripts('board.sh', 'board_kernel.sh')],
+        [*MADE_BY, *CORE, *GUESTS, 'tests/model', *scripts('board.sh', 'board_kernel.sh'), *NO_TEXTS],
         {'release': ['board_programs']}),
     'can': Part(
         "CAN clients of others, the page's bridge and our own sockets on a kernel's CAN, in a guest",
@@ -94,7 +97,7 @@ PARTS = {
         'the core on Cortex-M in QEMU, within its budget',
         [Step('mcu', dev('test_mcu'))],
         [*MADE_BY, *CORE, 'tests/mcu', 'tests/model', 'tests/firmware', 'tests/places.*', 'host-sim/scenarios',
-         'host-sim/traces', 'toolchain/mcu', 'tests/bench', *scripts('mcu.sh')],
+         'host-sim/traces', 'toolchain/mcu', 'tests/bench', *scripts('mcu.sh'), *NO_TEXTS],
         {'release': ['write_steps', 'answer_steps', 'hold_strain', 'count_operations'],
          **{f'mcu-{core}': ['all'] for core in ('m0plus', 'm3', 'm4f', 'm7', 'm33')}}),
     'package': Part(
@@ -103,38 +106,38 @@ PARTS = {
          build('release', 'board_programs'), ctest('package', live=True)],
         [*MADE_BY, *PROGRAMS, *GUESTS, 'CHANGELOG.md', 'tests/model', 'tests/library', 'tests/python',
          'tests/firmware/daemon/setup_test.sh',
-         *scripts('package.sh', 'sysroot.sh', 'board.sh', 'board_kernel.sh', 'board_root.sh')],
+         *scripts('package.sh', 'sysroot.sh', 'board.sh', 'board_kernel.sh', 'board_root.sh'), *NO_TEXTS],
         {'release': ['package_contents', 'board_programs'], 'arm64': ['package_contents'],
          'armhf': ['package_contents']}),
     'sanitize': Part(
         'clang++ with address and undefined-behaviour sanitizers: what reads foreign bytes or has threads',
         [build('sanitize'), ctest('sanitize-live', live=True, beside=ctest('sanitize-still'))],
-        [*MADE_BY, *PROGRAMS, *TESTS_AND_PYTHON, *OF_RELEASE, *NO_PAGES],
+        [*MADE_BY, *PROGRAMS, *TESTS_AND_PYTHON, *OF_RELEASE, *NO_PAGES, *NO_TEXTS],
         {'sanitize': ['all']}),
     'tidy': Part(
         'clang-tidy over every source',
         [Step('tidy', [str(ROOT / 'toolchain/lib/tidy.py')])],
-        [*MADE_BY, *PROGRAMS, *TESTS, '*.clang-tidy', *NO_PAGES, *scripts('tidy.py')]),
+        [*MADE_BY, *PROGRAMS, *TESTS, '*.clang-tidy', *NO_PAGES, *scripts('tidy.py'), *NO_TEXTS]),
     'odr': Part(
         'one definition for each name',
         [build('odr')],
-        [*MADE_BY, *PROGRAMS, *NO_PAGES, *scripts()],
+        [*MADE_BY, *PROGRAMS, *NO_PAGES, *scripts(), *NO_TEXTS],
         {'odr': ['one_definition']}),
     'tsan': Part(
         "clang++ with the thread sanitizer: the daemon's threads",
         [build('tsan'), ctest('tsan-live', live=True, beside=ctest('tsan-still'))],
         [*MADE_BY, *CORE, 'tests/firmware', 'tests/hal', 'tests/model', 'tests/places.*', 'tests/patience.hpp',
-         'tests/bench/convert.hpp', 'host-sim/scenarios', *scripts()],
+         'tests/bench/convert.hpp', 'host-sim/scenarios', *scripts(), *NO_TEXTS],
         {'tsan': ['daemon_tests', 'daemon_live_tests', 'hal_tests', 'hal_live_tests', 'smaservod']}),
     'arm64': Part(
         'cross compiled; replays in qemu what the release has simulated',
         [build('release', 'host-sim'), build('arm64', 'host-sim', 'smaservod'), ctest('arm64')],
-        [*MADE_BY, *PROGRAMS, 'tests/elsewhere', *scripts('sysroot.sh')],
+        [*MADE_BY, *PROGRAMS, 'tests/elsewhere', *scripts('sysroot.sh'), *NO_TEXTS],
         {'release': ['host-sim'], 'arm64': ['host-sim', 'smaservod']}),
     'fuzz': Part(
         'random frames, datagrams and files, with sanitizers',
         [Step('fuzz', dev('fuzz_all', '10'))],
-        [*MADE_BY, *PROGRAMS, *TESTS, *NO_PAGES, *scripts('fuzz.sh')],
+        [*MADE_BY, *PROGRAMS, *TESTS, *NO_PAGES, *scripts('fuzz.sh'), *NO_TEXTS],
         {'sanitize': ['fuzz_targets']}),
 }
 
