@@ -124,14 +124,18 @@ void Fit::stress_levels() {
   }
 }
 
-/// Tries zeros of imposed strains: a test frame counts from where its wire was clamped. Far from
-/// the true one the model's wire hangs slack or tears, and no derivative leads back. All runs get
-/// the same one: one by one, runs of a wire that is not known yet would find it far apart.
-void Fit::find_zeros() {
-  constexpr double lowest = -0.08, highest = 0.04, step = 0.0025;
+Fit::Runs Fit::imposed_runs() const {
   Runs imposed;
   std::ranges::copy_if(everything(), std::back_inserter(imposed),
                        [&](std::size_t i) { return runs_[i].kind == RunKind::imposed; });
+  return imposed;
+}
+
+/// Tries zeros of imposed strains, the same one for all of these runs: a test frame counts from
+/// where its wire was clamped. Far from the true one the model's wire hangs slack or tears, and no
+/// derivative leads back.
+void Fit::find_zero(const Runs& imposed) {
+  constexpr double lowest = -0.08, highest = 0.04, step = 0.0025;
   if (imposed.empty()) {
     return;
   }

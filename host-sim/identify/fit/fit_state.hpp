@@ -130,7 +130,8 @@ class Fit {
   std::vector<Runs> levels() const;
   void start_at_level(const Runs& level);
   void stress_levels();
-  void find_zeros();
+  Runs imposed_runs() const;
+  void find_zero(const Runs& imposed);
   std::vector<StressPart> stress_parts(std::size_t i) const;
   void join_levels(std::size_t i, const Deviations& before, const std::vector<FoundLevel>& found);
 

@@ -181,6 +181,12 @@ typename Plant<ThreePhase<T>>::Params plant_of(RunKind kind, const Assumed<T>& a
   return plant;
 }
 
+/// The greatest stress that the model gives a wire whose strain is imposed: beyond its limit a
+/// wire's surfaces say less and less.
+inline double most_stress_Pa(const Wire<double>& wire) {
+  return 1.5 * wire.limits.stress_Pa;
+}
+
 /// The steps of the plain plant in a run that is heated by current; none in others.
 struct Path {
   std::vector<BalancedStep> steps;     ///< joule
@@ -195,8 +201,7 @@ inline Path path_of(const FitRun& run, const Assumed<double>& assumed) {
   }
   const Acting<double> acting{run, assumed};
   if (imposed) {
-    // Beyond its limit a wire's surfaces say less and less; a fit may come by there.
-    StrainedPlant plant(plant_of(run.kind, assumed), 1.5 * assumed.wire.limits.stress_Pa,
+    StrainedPlant plant(plant_of(run.kind, assumed), most_stress_Pa(assumed.wire),
                         assumed.here.ambient_K, acting.strained_at(0).strain);
     path.at_rest = plant.step();
     path.strained.reserve(run.after.back() + 1);

@@ -34,7 +34,11 @@ std::vector<FittedRun> held_out(const FitResult& fit, const std::vector<Run>& ru
 
 /// What belongs to each run alone, with the wire as it is.
 Deviations Fit::known_circumstances() {
-  find_zeros();
+  // The wire is known, so each run has a zero of its own from the start: with one for all a run
+  // ended in a minimum of another zero and another air.
+  for (const std::size_t i : imposed_runs()) {
+    find_zero({i});
+  }
   const auto none = [](const std::string& /*key*/) { return false; };
   solve("runs held out", everything(), none, options_.max_iterations);
   refine();
