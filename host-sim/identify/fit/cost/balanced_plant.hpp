@@ -7,7 +7,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "host-sim/identify/fit/jet.hpp"
+#include "host-sim/identify/fit/jet_fraction.hpp"
 #include "model/wire/plant.hpp"
 
 namespace smaservo::identify {

@@ -10,7 +10,7 @@
 
 #include "host-sim/identify/fit/cost/balanced_plant.hpp"
 #include "host-sim/identify/fit/cost/strained_plant.hpp"
-#include "host-sim/identify/fit/jet.hpp"
+#include "host-sim/identify/fit/jet_fraction.hpp"
 #include "host-sim/identify/runs/run.hpp"
 #include "model/wire/plant.hpp"
 
