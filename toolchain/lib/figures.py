@@ -144,7 +144,8 @@ FIGURES = {
     'families': Figure(
         'written', 'the same on families that nothing was chosen with', ['observer/README.md'],
         f'{HOST_SIM} evaluate --family free-energy,smooth-hardening --runs 216 '
-        '--row standard,disturbed,light,uncalibrated,hold,coarse --markdown observer/README.md', 7200, ['host-sim']),
+        '--row standard,disturbed,light,uncalibrated,unknown-start,hold,gust,coarse '
+        '--markdown observer/README.md', 7200, ['host-sim']),
     'closed-loop': Figure(
         'written', 'how well the device holds a strain', ['firmware/README.md'],
         f'{HOST_SIM} evaluate --closed-loop --random 0 --markdown firmware/README.md', 7200, ['host-sim']),
