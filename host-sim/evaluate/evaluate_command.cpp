@@ -186,8 +186,11 @@ void add_evaluate_command(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember(families));
   command->add_option("--units", options.units, "wires of each family")->capture_default_str();
-  command->add_option("--runs", options.runs,
-                      "runs of each row; default: for each unit 84 of disturbed, 18 of the others");
+  command->add_option(
+      "--runs", options.runs,
+      fmt::format("runs of each row, of all units together; default: for each unit 84 "
+                  "of disturbed, {} of the others; with --closed-loop {} in all",
+                  EvaluationRow{}.runs, ClosedLoopOptions{}.runs));
   command
       ->add_option("--seed", options.seed,
                    "seed of the first unit; observers are tuned with 1 to 99")

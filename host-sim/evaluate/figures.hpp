@@ -1,6 +1,7 @@
 #pragma once
 // The numbers of the table, with their targets.
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -21,13 +22,14 @@ struct Figure {
 /// All figures of a row with their targets: "mean_percent", "p95_percent", "max_percent", "lost",
 /// "within_2_sd_percent", and, in the rows that have them, "drift_mean_percent",
 /// "drift_p95_percent", "drift_max_percent", "found_median_s", "found_p90_s", "locked", "unsure".
-/// The target of "coarse" is 0.2 above the mean of "standard", if that was evaluated.
-std::vector<Figure> row_figures(const ObserverEvaluation& observer, const RowResult& row);
+/// They are those of all runs, or with `family` those of its runs. Both have the same targets, but
+/// in "coarse": its mean may be 0.2 above that of the same runs' "standard", if that was evaluated.
+/// Without runs all are NaN, and have no target.
+std::vector<Figure> row_figures(const ObserverEvaluation& observer, const RowResult& result,
+                                std::optional<hal::Family> family = {});
 
-/// Like row_figures() above, for some runs of a row; max_mean is the target of their mean, NaN:
-/// none.
-std::vector<Figure> row_figures(const EvaluationRow& row, const RowFigures& figures,
-                                double max_mean);
+/// The runs whose figures row_figures() has.
+const RowFigures& runs_of(const RowResult& result, std::optional<hal::Family> family);
 
 const EvaluationRow& row_of(const RowResult& result);
 

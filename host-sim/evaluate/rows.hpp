@@ -32,7 +32,7 @@ struct EvaluationRow {
   Disturbed disturbed = Disturbed::never;
   Known known = Known::calibrated;
   Counted counted = Counted::strain;
-  int runs = 18;  ///< runs of each unit, unless the options give another number of all
+  int runs = 36;  ///< runs of each unit, unless the options give another number of all
   double mean = std::numeric_limits<double>::quiet_NaN();
   double p95 = std::numeric_limits<double>::quiet_NaN();
   double maximum = std::numeric_limits<double>::quiet_NaN();

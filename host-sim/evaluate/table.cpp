@@ -16,8 +16,6 @@
 namespace smaservo::evaluate {
 namespace {
 
-constexpr double no_scale = std::numeric_limits<double>::quiet_NaN();
-
 using Figures = std::vector<Figure>;
 
 /// The text of a figure; counts have no decimals.
@@ -36,45 +34,65 @@ std::string target(const Figure& figure) {
                                 : fmt::format("{:g} to {:g}", figure.min, figure.max);
 }
 
-std::string three(const RowFigures& f) {
-  return f.runs == 0 ? ""
-                     : fmt::format("{:.2f} / {:.2f} / {:.1f}", f.error.mean(),
-                                   f.error.quantile(0.95), f.error.maximum());
-}
-
-/// Appends a column for each family. Marked values miss their target.
-files::TextTable table_of(const ObserverEvaluation& observer,
-                          std::vector<files::TextTable::Column> columns) {
-  for (const FamilyFigures& own : observer.rows.front().by_family) {
-    columns.push_back({std::string(hal::family_name(own.family)), "{}"});
+/// Those whose figures stand beside each other: all runs, then the runs of each family; the family
+/// alone if there is only one.
+std::vector<std::optional<hal::Family>> shown(const RowResult& result) {
+  std::vector<std::optional<hal::Family>> families;
+  if (result.by_family.size() != 1) {
+    families.emplace_back();
   }
-  return files::TextTable(std::move(columns), "");
+  for (const FamilyFigures& own : result.by_family) {
+    families.emplace_back(own.family);
+  }
+  return families;
 }
 
+std::string_view name_of(std::optional<hal::Family> family) {
+  return family ? hal::family_name(*family) : "all";
+}
+
+/// Mean, 95 % and greatest error: "0.4/1.2/4". A target after the last one is left out, one before
+/// it is a dash.
+std::string targets_of_error(const Figures& f) {
+  std::string text;
+  std::string before;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (f[i].has_target()) {
+      text += before + target(f[i]);
+      before = "/";
+    } else if (text.empty()) {
+      before += "–/";
+    }
+  }
+  return text;
+}
+
+/// Marked values miss their target.
 files::TextTable errors(const ObserverEvaluation& observer) {
-  files::TextTable table = table_of(observer, {{"row"},
-                                               {"runs", "{}"},
-                                               {"mean", "{:.2f}"},
-                                               {"95 %", "{:.2f}"},
-                                               {"max", "{:.2f}"},
-                                               {"lost", "{:.0f}"},
-                                               {"in 2 sd", "{:.1f}"},
-                                               {"target", "{}"}});
+  files::TextTable table({{"row"},
+                          {"family"},
+                          {"runs", "{}"},
+                          {"mean", "{:.2f}"},
+                          {"95 %", "{:.2f}"},
+                          {"max", "{:.1f}"},
+                          {"lost", "{:.0f}"},
+                          {"in 2 sd", "{:.1f}"},
+                          {"target", "{}"}},
+                         "");
   for (const RowResult& result : observer.rows) {
-    const Figures f = row_figures(observer, result);
-    std::string targets = !f[0].has_target() && f[1].has_target() ? "–" : target(f[0]);
-    for (const std::size_t i : {1U, 2U}) {
-      targets += f[i].has_target() ? " / " + target(f[i]) : "";
+    for (const std::optional<hal::Family> family : shown(result)) {
+      const int runs = runs_of(result, family).runs;
+      if (runs == 0) {
+        continue;
+      }
+      const Figures f = row_figures(observer, result, family);
+      files::TextTable::Row line{row_of(result).name, name_of(family), runs};
+      for (std::size_t i = 0; i < 5; ++i) {
+        line.emplace_back(f[i].value, f[i].missed());
+      }
+      line.emplace_back(targets_of_error(f));
+      table.add(std::move(line));
     }
-    files::TextTable::Row line{row_of(result).name, result.all.runs};
-    for (std::size_t i = 0; i < 5; ++i) {
-      line.emplace_back(f[i].value, f[i].missed());
-    }
-    line.emplace_back(targets);
-    for (const FamilyFigures& own : result.by_family) {
-      line.emplace_back(three(own.figures));
-    }
-    table.add(std::move(line));
   }
   return table;
 }
@@ -83,28 +101,33 @@ std::string meaning(std::string_view figure) {
   struct Named {
     std::string_view name, meaning;
   };
-  constexpr Named all[] = {{"drift_mean_percent", "drift in % of the stroke, mean"},
-                           {"drift_p95_percent", "drift, 95 %"},
-                           {"drift_max_percent", "drift, greatest"},
-                           {"found_median_s", "seconds of motion until within 6 %, median"},
-                           {"found_p90_s", "seconds of motion until within 6 %, 90 %"},
-                           {"locked", "runs never found"},
-                           {"unsure", "runs unsure after one heating"}};
+  constexpr Named all[] = {{"drift_mean_percent", "drift: mean, %"},
+                           {"drift_p95_percent", "drift: 95 %, %"},
+                           {"drift_max_percent", "drift: greatest, %"},
+                           {"found_median_s", "motion until found: median, s"},
+                           {"found_p90_s", "motion until found: 90 %, s"},
+                           {"locked", "never found"},
+                           {"unsure", "unsure after one heating"}};
   return std::string(std::ranges::find(all, figure, &Named::name)->meaning);
 }
 
-/// The figures that only some rows have.
+/// The figures that only some rows have. Marked values miss their target.
 files::TextTable particulars(const ObserverEvaluation& observer) {
-  files::TextTable table = table_of(observer, {{"row"}, {""}, {"value", "{}"}, {"target", "{}"}});
+  std::vector<files::TextTable::Column> columns{{"row"}, {""}, {"target", "{}"}};
+  for (const std::optional<hal::Family> family : shown(observer.rows.front())) {
+    columns.push_back({std::string(name_of(family)), "{}"});
+  }
+  files::TextTable table(std::move(columns), "");
   for (const RowResult& result : observer.rows) {
-    const Figures all = row_figures(observer, result);
-    for (std::size_t i = 5; i < all.size(); ++i) {
-      files::TextTable::Row line{row_of(result).name,
-                                 meaning(all[i].name),
-                                 {number(all[i]), all[i].missed()},
-                                 target(all[i])};
-      for (const FamilyFigures& own : result.by_family) {
-        line.emplace_back(number(row_figures(row_of(result), own.figures, no_scale)[i]));
+    std::vector<Figures> beside;
+    for (const std::optional<hal::Family> family : shown(result)) {
+      beside.push_back(row_figures(observer, result, family));
+    }
+    for (std::size_t i = 5; i < beside.front().size(); ++i) {
+      const Figure& first = beside.front()[i];
+      files::TextTable::Row line{row_of(result).name, meaning(first.name), target(first)};
+      for (const Figures& figures : beside) {
+        line.emplace_back(number(figures[i]), figures[i].missed());
       }
       table.add(std::move(line));
     }
@@ -180,8 +203,9 @@ nlohmann::ordered_json row_json(const ObserverEvaluation& observer, const RowRes
   const Figures all = row_figures(observer, result);
   nlohmann::ordered_json json{{"row", row_of(result).name}, {"all", numbers(all, result.all.runs)}};
   for (const auto& [family, figures] : result.by_family) {
-    json[std::string(hal::family_name(family))] =
-        numbers(row_figures(row_of(result), figures, no_scale), figures.runs);
+    const Figures own = row_figures(observer, result, family);
+    auto& entry = json[std::string(hal::family_name(family))] = numbers(own, figures.runs);
+    entry["targets"] = targets(own);
   }
   json["targets"] = targets(all);
   for (const JudgedRun& run : result.runs) {

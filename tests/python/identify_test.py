@@ -85,6 +85,12 @@ def test_evaluates_calibrated_wires():
     judged = [(row['observer'], row['row'], row['runs']) for row in table]
     assert judged == [('kalman', 'standard', 2), ('line', 'standard', 2)]
     assert table[0]['mean_percent'] < table[1]['mean_percent'] and 'missed' in table[0]
+    # A run of each family, and the row's mean between both.
+    own = table[0]['families']
+    assert sorted(own) == ['ihyp', 'sublayers'] and all(each['runs'] == 1 for each in own.values())
+    assert min(each['mean_percent'] for each in own.values()) <= table[0]['mean_percent']
+    assert max(each['mean_percent'] for each in own.values()) >= table[0]['mean_percent']
+    assert own['ihyp']['mean_percent'] != own['sublayers']['mean_percent']
     assert seen and all(done <= total for _, done, total in seen)
 
 

@@ -143,7 +143,7 @@ FIGURES = {
         f'{HOST_SIM} evaluate --markdown observer/README.md', 7200, ['host-sim']),
     'families': Figure(
         'written', 'the same on families that nothing was chosen with', ['observer/README.md'],
-        f'{HOST_SIM} evaluate --family free-energy,smooth-hardening --runs 216 '
+        f'{HOST_SIM} evaluate --family free-energy,smooth-hardening '
         '--row standard,disturbed,light,uncalibrated,unknown-start,hold,gust,coarse '
         '--markdown observer/README.md', 7200, ['host-sim']),
     'closed-loop': Figure(

@@ -13,8 +13,9 @@ namespace {
 
 constexpr double in_time_s = 0.10;
 constexpr double in_time_ratio = 1.3;
+constexpr std::size_t device_at = 0;
 constexpr std::size_t ideal_at = 1;
-static_assert(loop_kinds[ideal_at] == LoopKind::ideal);
+static_assert(loop_kinds[device_at] == LoopKind::device && loop_kinds[ideal_at] == LoopKind::ideal);
 
 std::function<void(std::size_t)> reporting(const ClosedLoopOptions& options, std::string_view stage,
                                            std::size_t total) {
@@ -83,6 +84,18 @@ void count(LoopFigures& figures, const LoopRun& run, const LoopRun& ideal_run) {
   }
 }
 
+/// Figures of no run yet.
+LoopFigures no_runs() {
+  LoopFigures figures;
+  figures.above_limit_K = -1000;
+  return figures;
+}
+
+void sort_times(LoopFigures& figures) {
+  std::ranges::sort(figures.heating_s);
+  std::ranges::sort(figures.cooling_s);
+}
+
 LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,
                            const ClosedLoopOptions& options) {
   const auto runs = static_cast<std::size_t>(options.runs);
@@ -98,19 +111,20 @@ LoopRowResult evaluate_row(LoopRow row, const std::vector<KnownUnit>& units,
                                           conditions(row, seed), options.steps, seed);
       },
       reporting(options, "steps", runs * loop_kinds.size()));
-  LoopRowResult result{row, {}};
-  for (LoopFigures& figures : result.kinds) {
-    figures.above_limit_K = -1000;
-  }
-  for (const auto& run : results) {
+  LoopRowResult result{row, {}, {}};
+  result.kinds.fill(no_runs());
+  result.device_by_family.fill(no_runs());
+  for (std::size_t run = 0; run < runs; ++run) {
+    const LoopRun& ideal_run = results[run][ideal_at];
     for (std::size_t kind = 0; kind < loop_kinds.size(); ++kind) {
-      count(result.kinds.at(kind), run.at(kind), run.at(ideal_at));
+      count(result.kinds.at(kind), results[run].at(kind), ideal_run);
     }
+    // The units of the families take turns (known_units).
+    count(result.device_by_family.at(run % hal::tuning_families.size()), results[run][device_at],
+          ideal_run);
   }
-  for (LoopFigures& figures : result.kinds) {
-    std::ranges::sort(figures.heating_s);
-    std::ranges::sort(figures.cooling_s);
-  }
+  std::ranges::for_each(result.kinds, sort_times);
+  std::ranges::for_each(result.device_by_family, sort_times);
   return result;
 }
 

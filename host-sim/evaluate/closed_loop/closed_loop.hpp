@@ -53,7 +53,9 @@ struct LoopFigures {
 
 struct LoopRowResult {
   LoopRow row;
-  std::array<LoopFigures, loop_kinds.size()> kinds;
+  std::array<LoopFigures, loop_kinds.size()> kinds;  ///< in all runs
+  /// The device's in the runs of each family.
+  std::array<LoopFigures, hal::tuning_families.size()> device_by_family;
 };
 
 struct ClosedLoopEvaluation {

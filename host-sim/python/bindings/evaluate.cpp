@@ -43,6 +43,18 @@ std::vector<std::string> names_of_observers() {
   return all;
 }
 
+void add_figures(py::dict& to, int runs, const std::vector<evaluate::Figure>& figures) {
+  to["runs"] = runs;
+  py::list missed;
+  for (const evaluate::Figure& figure : figures) {
+    to[py::str(std::string(figure.name))] = figure.value;
+    if (figure.missed()) {
+      missed.append(std::string(figure.name));
+    }
+  }
+  to["missed"] = missed;
+}
+
 py::list table_of(const evaluate::Evaluation& evaluation) {
   py::list all;
   for (const evaluate::ObserverEvaluation& observer : evaluation.observers) {
@@ -50,15 +62,14 @@ py::list table_of(const evaluate::Evaluation& evaluation) {
       py::dict one;
       one["observer"] = observer.observer;
       one["row"] = std::string(evaluate::row_of(row).name);
-      one["runs"] = row.all.runs;
-      py::list missed;
-      for (const evaluate::Figure& figure : evaluate::row_figures(observer, row)) {
-        one[py::str(std::string(figure.name))] = figure.value;
-        if (figure.has_target() && figure.missed()) {
-          missed.append(std::string(figure.name));
-        }
+      add_figures(one, row.all.runs, evaluate::row_figures(observer, row));
+      py::dict families;
+      for (const auto& [family, figures] : row.by_family) {
+        py::dict own;
+        add_figures(own, figures.runs, evaluate::row_figures(observer, row, family));
+        families[py::str(std::string(hal::family_name(family)))] = own;
       }
-      one["missed"] = missed;
+      one["families"] = families;
       all.append(one);
     }
   }

@@ -347,10 +347,11 @@ def evaluate(
 ) -> list[dict[str, Any]]:
     """Judges observers by many simulated runs of wires that none knows, as `host-sim evaluate` does.
 
-    Each dict has observer, row, runs, the figures of that row ("mean_percent": error in % of the stroke)
-    and `missed`, the figures that miss their target. A unit takes a minute to calibrate on one core, a
-    run 0.3 s; wires is a folder that keeps calibrated ones. rows is empty for all. programs are observers of
-    yours, as `--observer-program`. progress is called
+    Each dict has observer, row, runs, the figures of that row ("mean_percent": error in % of the stroke),
+    `missed`, the figures that miss their target, and `families`: a dict for each family of wires
+    ("ihyp", "sublayers") with the runs, figures and `missed` of its wires alone. A unit takes a minute to
+    calibrate on one core, a run 0.25 s; wires is a folder that keeps calibrated ones. rows is empty for all.
+    programs are observers of yours, as `--observer-program`. progress is called
     with the stage, and how much of how much is done. Ctrl-C raises KeyboardInterrupt.
     """
     return _core.evaluate_rows(

@@ -10,6 +10,7 @@ namespace smaservo::evaluate {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 /// Two units with wires that identify has found.
 ClosedLoopOptions golden_units() {
@@ -43,6 +44,13 @@ TEST(ClosedLoopEvaluation, TheDeviceHoldsWhatTheOthersDoNot) {
     EXPECT_TRUE(ideal.trips.empty());
     EXPECT_LT(device.above_limit_K, 3);
     EXPECT_EQ(ideal.cooled_in_time, static_cast<int>(ideal.cooling_s.size()));
+    // A run of each family.
+    const auto& [ihyp, sublayers] = row.device_by_family;
+    EXPECT_EQ(ihyp.error.count(), 4U);
+    EXPECT_EQ(sublayers.error.count(), 4U);
+    EXPECT_NEAR((ihyp.error.mean() + sublayers.error.mean()) / 2, device.error.mean(), 1e-9);
+    EXPECT_EQ(ihyp.cooled_in_time + sublayers.cooled_in_time, device.cooled_in_time);
+    EXPECT_EQ(std::max(ihyp.above_limit_K, sublayers.above_limit_K), device.above_limit_K);
   }
   for (const double Hz : evaluation.bandwidth_Hz.front()) {
     EXPECT_GT(Hz, 2);
@@ -50,7 +58,16 @@ TEST(ClosedLoopEvaluation, TheDeviceHoldsWhatTheOthersDoNot) {
   }
   options.threads = 2;
   EXPECT_EQ(closed_loop_json(evaluate_closed_loop(options)), closed_loop_json(evaluation));
-  EXPECT_THAT(closed_loop_markdown(evaluation), HasSubstr("| spring | ideal sensor |"));
+  EXPECT_THAT(closed_loop_markdown(evaluation), HasSubstr("| spring | ideal sensor | all |"));
+  EXPECT_THAT(closed_loop_markdown(evaluation), HasSubstr("| spring | device | sublayers |"));
+
+  // A single run is of the first family.
+  options.runs = options.steps = 1;
+  options.random = 0;
+  const ClosedLoopEvaluation one = evaluate_closed_loop(options);
+  EXPECT_EQ(one.rows.front().device_by_family[0].error.count(), 1U);
+  EXPECT_EQ(one.rows.front().device_by_family[1].error.count(), 0U);
+  EXPECT_THAT(closed_loop_markdown(one), Not(HasSubstr("sublayers")));
 }
 
 }  // namespace
