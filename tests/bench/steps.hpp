@@ -17,15 +17,23 @@
 #include "tests/bench/convert.hpp"
 #include "tests/bench/cycle.hpp"
 #include "tests/bench/ihyp_error.hpp"
+#include "tests/model/wire/ordered_wire.hpp"
 
 namespace smaservo::benchmarks {
 
 inline constexpr double stress_Pa = 150e6;
 inline constexpr double ambient_K = room_K;
 
-inline const Plant<ThreePhase<double>>::Params& default_plant() {
-  static const Plant<ThreePhase<double>>::Params params =
+using PlantParams = Plant<ThreePhase<double>>::Params;
+
+inline const PlantParams& default_plant() {
+  static const PlantParams params =
       plant_params(files::load_wire(std::string(files::default_wire)).wire);
+  return params;
+}
+
+inline const PlantParams& ordered_plant() {
+  static const PlantParams params = plant_params(test::ordered_wire());
   return params;
 }
 
@@ -133,9 +141,8 @@ class CutStep {
 };
 
 /// A wire at 1 kHz whose power goes up and down within 20 s, with the noise of its sensors.
-inline std::vector<Measurement<double>> measurements() {
+inline std::vector<Measurement<double>> measurements(const PlantParams& params = default_plant()) {
   using Model = Plant<ThreePhase<double>>;
-  const Model::Params& params = default_plant();
   Model::State wire = Model::rest(params, {ambient_K, stress_Pa});
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise;
@@ -154,9 +161,9 @@ inline std::vector<Measurement<double>> measurements() {
 }
 
 template <class S>
-std::vector<Measurement<S>> measurements() {
+std::vector<Measurement<S>> measurements(const PlantParams& params = default_plant()) {
   std::vector<Measurement<S>> all;
-  for (const Measurement<double>& m : measurements()) {
+  for (const Measurement<double>& m : measurements(params)) {
     all.push_back({scalar<S>(m.resistance_ohm), scalar<S>(m.resistance_sd_ohm),
                    scalar<S>(m.power_W), scalar<S>(m.stress_Pa), true, true, true});
   }
@@ -184,13 +191,14 @@ template <StrainObserver O>
 class ObserverStep {
  public:
   using S = typename O::Scalar;
-  explicit ObserverStep(const typename O::Params& params) : params_(params) {}
+  explicit ObserverStep(const typename O::Params& params, const PlantParams& wire = default_plant())
+      : params_(params), inputs_(measurements<S>(wire)) {}
   std::size_t period() const { return inputs_.size(); }
   void operator()() { O::advance(params_, state_, inputs_.next(), S(1e-3)); }
 
  private:
   typename O::Params params_;
-  Cycle<Measurement<S>> inputs_{measurements<S>()};
+  Cycle<Measurement<S>> inputs_;
   typename O::State state_ = O::start(params_, inputs_.first(), scalar<S>(ambient_K));
 };
 
@@ -211,6 +219,9 @@ void for_each_step(F f) {
   f("plant_step", [] { return PlantStep<S>(); });
   f("observer_step",
     [] { return ObserverStep<KalmanObserver<S>>({convert<S>(default_plant()), {}}); });
+  f("observer_step_ordered", [] {
+    return ObserverStep<KalmanObserver<S>>({convert<S>(ordered_plant()), {}}, ordered_plant());
+  });
   f("multiple_model_step",
     [] { return ObserverStep<MultipleModelFilter<S>>({convert<S>(default_plant()), {}}); });
 }

@@ -39,6 +39,7 @@ STEPS = {
     'wire_step_free-energy': ('simulated wire, free energy: the same', None),
     'wire_step_smooth-hardening': ('simulated wire, smooth hardening: the same', None),
     'observer_step': ('observer step', 1500),
+    'observer_step_ordered': ('observer step, calibrated wire: order, tapers, R2A of its own', 2200),
     'multiple_model_step': ('observer step of the multiple-model filter', None),
     'control_step': ("controller's step, closed loop in strain", 700),
     'device_step': ('whole step of the device', 4000),
