@@ -1,5 +1,6 @@
 // Writes what the microcontrollers replay: every shipped trace as the device sees it when it only
-// watches, every shipped closed loop, and random use. answer_steps says what should come out.
+// watches, every shipped closed loop, one of them with a wire of another kind, and random use.
+// answer_steps says what should come out.
 //   write_steps FOLDER
 
 #include <algorithm>
@@ -21,6 +22,7 @@
 #include "tests/firmware/device/random_use.hpp"
 #include "tests/firmware/parameters/random_settings.hpp"
 #include "tests/mcu/step_file.hpp"
+#include "tests/model/wire/ordered_wire.hpp"
 #include "tests/places.hpp"
 
 namespace smaservo::mcu {
@@ -89,8 +91,7 @@ Recorder trace(const fs::path& scenario, hal::TraceReader reader) {
   return recorder;
 }
 
-Recorder closed_loop(const fs::path& path) {
-  const bench::ClosedLoopScenario scenario = bench::load_closed_loop(path);
+Recorder closed_loop(const bench::ClosedLoopScenario& scenario) {
   Recorder recorder(stored_settings<float>(scenario.settings));
   bench::ClosedLoop loop(scenario);
   double last_s = -scenario.settings.timing.period_s;
@@ -100,6 +101,13 @@ Recorder closed_loop(const fs::path& path) {
     last_s = cycle.time_s;
   }
   return recorder;
+}
+
+/// The scenario with a wire that is calibrated as one of another kind than paper 000's.
+bench::ClosedLoopScenario with_ordered_wire(bench::ClosedLoopScenario scenario) {
+  scenario.settings.wire.kinetics = test::ordered_wire().kinetics;
+  scenario.plant.wire.wire.kinetics = test::ordered_wire().kinetics;
+  return scenario;
 }
 
 /// Bounds the gain so that the last bit of the controlled variable, in which two maths libraries
@@ -153,10 +161,13 @@ void write_all(const fs::path& folder) {
   }
   for (const fs::directory_entry& entry : fs::directory_iterator(root / "host-sim/scenarios")) {
     if (entry.path().extension() == ".toml") {
-      closed_loop(entry.path())
+      closed_loop(bench::load_closed_loop(entry.path()))
           .write(folder / fmt::format("loop-{}.steps", entry.path().stem().string()));
     }
   }
+  closed_loop(
+      with_ordered_wire(bench::load_closed_loop(root / "host-sim/scenarios/wire-break.toml")))
+      .write(folder / "ordered-wire-break.steps");
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
     random_use(seed, 10000).write(folder / fmt::format("random-{}.steps", seed));
   }

@@ -35,14 +35,15 @@ count_mcu() {
       -kernel "$root/build/mcu-$target/tests/mcu/$program.elf" -append "$*" </dev/null 2>&1)
 }
 
-# Lines of counts as "KEY VALUE": mean and worst of each kind over all files, and of traces that come
-# every 10 ms, whose samples take two steps of the observer, apart.
+# Lines of counts as "KEY VALUE": mean and worst of each kind over all files. Apart are traces that come
+# every 10 ms, whose samples take two steps of the observer, and the wire whose loops have an order.
 mcu_sums() {
   awk '
     function add(key, steps, mean, most) {
       sum[key] += steps * mean; count[key] += steps; if (most > worst[key]) worst[key] = most
     }
-    $1 == "model" || $1 == "fixed_observer" { add($1, $3, $4, $5) }
+    $1 == "model" { add($1, $3, $4, $5) }
+    $1 == "fixed_observer" { add($1 (kind($2) == "ordered" ? "_ordered" : ""), $3, $4, $5) }
     $1 == "device" || $1 == "observer" { add($1 "_" kind($2), $3, $4, $5) }
     $1 == "start" { if ($5 > start) start = $5 }
     $1 == "stack" { if ($3 > stack) stack = $3 }
@@ -72,11 +73,11 @@ measure_mcu() {
 
 # Steps at 1 kHz.
 fast_mcu_files() {
-  (cd "$(mcu_steps)" && printf '%s\n' loop-*.steps trace-150MPa.steps random-*.steps)
+  (cd "$(mcu_steps)" && printf '%s\n' loop-*.steps ordered-*.steps trace-150MPa.steps random-*.steps)
 }
 
 # What a test counts: seconds, not minutes.
-few_mcu_files() { printf '%s\n' loop-wire-break.steps random-1.steps; }
+few_mcu_files() { printf '%s\n' loop-wire-break.steps ordered-wire-break.steps random-1.steps; }
 
 mcu_budget=$root/toolchain/mcu/budget.txt
 
@@ -94,7 +95,7 @@ over_budget() {
 }
 
 # The budget of a target, to be copied when it is meant to change.
-budget_lines() { awk -v target="$1" '{ printf "%-4s %-22s %d\n", target, $1, $2 }' "$2"; }
+budget_lines() { awk -v target="$1" '{ printf "%-4s %-28s %d\n", target, $1, $2 }' "$2"; }
 
 check_mcu_budget() {
   local target=$1 measured=$root/build/mcu/$1.measured
@@ -122,14 +123,20 @@ model_mean|model step, mean
 model_worst|- worst
 observer_loop_mean|observer step, closed loops, mean
 observer_loop_worst|- worst
+observer_ordered_mean|observer step, ordered loops, mean
+observer_ordered_worst|- worst
 observer_trace_mean|observer step, trace, mean
 observer_trace_worst|- worst
 observer_random_mean|observer step, random use, mean
 observer_random_worst|- worst
 fixed_observer_mean|observer step in integers, mean
 fixed_observer_worst|- worst
+fixed_observer_ordered_mean|the same, ordered loops, mean
+fixed_observer_ordered_worst|- worst
 device_loop_mean|whole step, closed loops, mean
 device_loop_worst|- worst
+device_ordered_mean|whole step, ordered loops, mean
+device_ordered_worst|- worst
 device_trace_mean|whole step, trace, mean
 device_trace_worst|- worst
 device_random_mean|whole step, random use, mean
