@@ -152,7 +152,10 @@ Fit::Fit(const Wire<double>& from, const std::vector<Run>& runs, const FitOption
         .taper = has_taper(from),
         .loop_order = has_loop_order(from),
         .mixture = from.material.mixture,
-        .circuit = options_.circuit});
+        .circuit = options_.circuit,
+        .wire_temperature = std::ranges::any_of(runs, [](const Run& run) {
+          return run.kind == RunKind::bath || run.kind == RunKind::calorimetry;
+        })});
   u_.runs.resize(runs_.size());
 }
 

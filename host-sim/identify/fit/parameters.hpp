@@ -69,7 +69,8 @@ struct FitVariant {
   bool taper = false;       ///< the ends of the curves are fitted
   bool loop_order = false;  ///< the odds of the inner loops are fitted
   Mixture mixture = Mixture::series;
-  bool circuit = false;  ///< resistance of the leads and gain of the load cell are fitted
+  bool circuit = false;           ///< resistance of the leads and gain of the load cell are fitted
+  bool wire_temperature = false;  ///< some run knows the temperature of the wire itself
 
   bool operator==(const FitVariant&) const = default;
 };
@@ -300,14 +301,17 @@ Material<T> vary_material(const Material<double>& from, const FitVariant& varian
 }
 
 template <class T, class Take>
-HeatParams<T> vary_heat(const HeatParams<double>& from, Take& take) {
+HeatParams<T> vary_heat(const HeatParams<double>& from, const FitVariant& variant, Take& take) {
   const auto factor = [&](const char* key, const char* unit, double scale, double prior,
                           double sd) {
     return take({std::string("wire.heat.") + key, unit, scale, Form::factor, prior, sd});
   };
   HeatParams<T> to{};
   to.density_kg_m3 = T(from.density_kg_m3);
-  to.specific_heat_J_kgK = factor("specific_heat", "J/kgK", 1, from.specific_heat_J_kgK, 0.12);
+  // Literature: 400 to 500 J/kgK. Where no run knows the wire's temperature, this prior decides how
+  // hot the fit takes the wire for: README.md, "How hot the wire is".
+  to.specific_heat_J_kgK = factor("specific_heat", "J/kgK", 1, from.specific_heat_J_kgK,
+                                  variant.wire_temperature ? 0.12 : 0.05);
   to.latent_m2a_J_kg = factor("latent_m2a", "kJ/kg", 1e3, from.latent_m2a_J_kg, 0.25);
   // R2M has the difference, so this latent heat cannot exceed that of M2A.
   const double part = from.latent_m2a_J_kg > 0 ? from.latent_r2a_J_kg / from.latent_m2a_J_kg : 0;
@@ -315,8 +319,10 @@ HeatParams<T> vary_heat(const HeatParams<double>& from, Take& take) {
       to.latent_m2a_J_kg * take({"wire.heat.latent_r2a_share", "", 1, Form::share, part, 0.4});
   to.convection_W_m2K = factor("convection", "W/m2K", 1, from.convection_W_m2K, 0.3);
   to.convection_W_m2K2 = factor("convection_slope", "W/m2K2", 1, from.convection_W_m2K2, 0.5);
+  // The alloy's own is known better; but with a convection it stands for the length of the cold
+  // ends (cold_ends()), which the model knows only roughly.
   to.clamp_conductivity_W_mK =
-      factor("clamp_conductivity", "W/mK", 1, from.clamp_conductivity_W_mK, 0.3);
+      factor("clamp_conductivity", "W/mK", 1, from.clamp_conductivity_W_mK, 0.6);
   return to;
 }
 
@@ -333,7 +339,7 @@ Wire<T> vary_wire(const Wire<double>& from, const FitVariant& variant, Take take
   w.accuracy = {T(from.accuracy.strain), T(from.accuracy.resistance)};
   w.kinetics = detail::vary_kinetics<T>(from.kinetics, from.limits.stress_Pa, variant, take);
   w.material = detail::vary_material<T>(from.material, variant, take);
-  w.heat = detail::vary_heat<T>(from.heat, take);
+  w.heat = detail::vary_heat<T>(from.heat, variant, take);
   return w;
 }
 

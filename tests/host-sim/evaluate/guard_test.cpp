@@ -6,7 +6,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "firmware/bench/scenario/units.hpp"
 #include "host-sim/evaluate/evaluate.hpp"
+#include "host-sim/evaluate/runs/calibrate.hpp"
+#include "model/files/wire/wire_file.hpp"
 #include "tests/places.hpp"
 
 namespace smaservo::test {
@@ -18,9 +21,9 @@ struct Expected {
 };
 
 constexpr Expected expected[] = {
-    {"standard", 0.56, 1.65},
-    {"disturbed", 0.54, 1.51},
-    {"light", 0.90, 3.26},
+    {"standard", 0.49, 1.82},
+    {"disturbed", 0.50, 1.59},
+    {"light", 0.60, 2.14},
 };
 
 TEST(EvaluationGuard, CalibratedWiresAreEstimatedAsWellAsTheyWere) {
@@ -45,6 +48,23 @@ TEST(EvaluationGuard, CalibratedWiresAreEstimatedAsWellAsTheyWere) {
     EXPECT_GT(reached.error.quantile(0.95), 0.7 * expected[i].p95);
     EXPECT_LT(reached.error.quantile(0.95), 1.4 * expected[i].p95);
     EXPECT_GT(reached.within_2_sd, 0.88) << "an honest deviation";
+  }
+}
+
+/// Heat that leaves a wire 100 K above the air, in W for each m2 of its surface.
+double lost_W_m2(const HeatParams<double>& heat) {
+  return 100 * (heat.convection_W_m2K + 100 * heat.convection_W_m2K2);
+}
+
+TEST(EvaluationGuard, CalibratedWiresLoseAsMuchHeatAsTheTrueOnes) {
+  for (const hal::Family family : hal::tuning_families) {
+    const bench::WireUnit unit = bench::random_unit(family, evaluate::first_test_seed);
+    const std::string name = evaluate::calibrated_name(family, evaluate::first_test_seed);
+    const files::WireDescription found = files::load_wire(
+        (std::filesystem::path(test::source_folder()) / "tests/golden/evaluate" / name).string());
+    const double share = lost_W_m2(found.wire.heat) / lost_W_m2(unit.wire.wire.heat);
+    fmt::print("{}: {:+.1f} % heat loss\n", name, 100 * (share - 1));
+    EXPECT_NEAR(share, 1, 0.08) << name;
   }
 }
 

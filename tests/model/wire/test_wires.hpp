@@ -45,6 +45,39 @@ inline ThreePhase<double>::Params ordered_kinetics() {
   return p;
 }
 
+/// Its temperatures are `factor` times as far above room_K.
+inline Surface<double> warmed(Surface<double> surface, double factor) {
+  for (double(*kelvin)[3] : {&surface.start_K, &surface.finish_K}) {
+    (*kelvin)[0] = room_K + factor * ((*kelvin)[0] - room_K);
+    (*kelvin)[1] *= factor;
+    (*kelvin)[2] *= factor;
+  }
+  return surface;
+}
+
+/// A wire that the same power heats `factor` times as far above room_K, and that has the same
+/// resistance and strain then.
+inline Wire<double> warmed(Wire<double> wire, double factor) {
+  ThreePhaseParams<double>& kinetics = wire.kinetics;
+  kinetics.m2a = warmed(kinetics.m2a, factor);
+  kinetics.r2a = warmed(kinetics.r2a, factor);
+  kinetics.r2m = warmed(kinetics.r2m, factor);
+  kinetics.a2m_a2r = pair_surfaces(warmed(first_surface(kinetics.a2m_a2r), factor),
+                                   warmed(second_surface(kinetics.a2m_a2r), factor));
+  kinetics.smallest_reversal_K *= factor;
+  Material<double>& material = wire.material;
+  material.reference_K = room_K + factor * (material.reference_K - room_K);
+  for (Phase<double>* phase : {&material.martensite, &material.r_phase, &material.austenite}) {
+    phase->resistivity_ohm_m_K /= factor;
+  }
+  HeatParams<double>& heat = wire.heat;
+  heat.specific_heat_J_kgK /= factor;
+  heat.convection_W_m2K /= factor;
+  heat.convection_W_m2K2 /= factor * factor;
+  heat.clamp_conductivity_W_mK /= factor;
+  return wire;
+}
+
 /// The same parameters for another scalar.
 template <class S>
 typename ThreePhase<S>::Params kinetics_for(const ThreePhase<double>::Params& from) {
