@@ -57,6 +57,8 @@ Wire<double> broad_wire(const Wire<double>& from) {
   variant.separate_r2m = from.kinetics.separate_r2m;
   variant.memory = from.kinetics.memory;
   variant.mixture = from.material.mixture;
+  // The means were found with this prior of the specific heat.
+  variant.wire_temperature = true;
   Wire<double> begin = from;
   if (!from.kinetics.separate_r2a) {
     begin.kinetics.r2a = from.kinetics.m2a;
